@@ -1,0 +1,244 @@
+"""Gait and control parameters of a robot card: frozen, validated, in SI units.
+
+One :class:`ControlParameters` is one preset. The kernels read the same numbers as plain named tuples; this module
+only says what they are, what they mean, and which values make sense.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Fraction = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
+
+
+class Parameters(BaseModel):
+    """Base of all parameter groups: frozen, no unknown keys, no NaN."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class GaitParameters(Parameters):
+    """The gait template's inputs (Han 2023, section 2); all may change while walking.
+
+    Attributes:
+        speed: commanded CoM velocity in the heading frame, forward and to the left, m/s.
+        period: T, duration of one step, s.
+        alpha: lifting stage's share of the period.
+        height: H, hip midpoint above the stance sole, m.
+        lift: h, height of the swing sole at the end of the lifting stage, m.
+        width: W, half the lateral distance between the soles, m.
+    """
+
+    speed: tuple[Finite, Finite] = (0.0, 0.0)
+    period: Positive
+    alpha: Fraction = 0.5
+    height: Positive
+    lift: Positive
+    width: Positive
+
+
+class GaitLimits(Parameters):
+    """Valid closed ranges of the gait parameters, (lowest, highest)."""
+
+    speed_x: tuple[Finite, Finite]
+    speed_y: tuple[Finite, Finite]
+    period: tuple[Positive, Positive]
+    alpha: tuple[Fraction, Fraction]
+    height: tuple[Positive, Positive]
+    lift: tuple[Positive, Positive]
+    width: tuple[Positive, Positive]
+
+
+class FootholdParameters(Parameters):
+    """Foothold adjustment (Han 2023, eq. 15) and what removes its bias.
+
+    Attributes:
+        velocity_gain: k_v forward and lateral, s; multiplies the velocity error.
+        acceleration_gain: k_a, s²; multiplies the CoM acceleration.
+        integral_gain: per-step integral of the mean velocity error, forward and lateral, s.
+        integral_limit: bound on the integral's contribution, m.
+        station_gain: offset of the foothold per metre of drift while the commanded speed is zero.
+        station_limit: bound on the station-keeping offset, m.
+        reach: largest forward distance from the hip midpoint to the foothold, m.
+        spread: largest lateral distance from the hip midpoint to the foothold, m.
+        separation: smallest lateral distance between the stance sole and the foothold, m.
+    """
+
+    velocity_gain: tuple[NonNegative, NonNegative]
+    acceleration_gain: NonNegative = 0.0
+    integral_gain: tuple[NonNegative, NonNegative] = (0.0, 0.0)
+    integral_limit: NonNegative = 0.15
+    station_gain: tuple[NonNegative, NonNegative] = (0.0, 0.0)
+    station_limit: NonNegative = 0.05
+    reach: Positive
+    spread: Positive
+    separation: Positive
+
+
+class AnkleParameters(Parameters):
+    """Soft target for the stance ankle torque, proportional to the speed error.
+
+    Attributes:
+        speed_gain: N·m per m/s of speed error.
+        torque_limit: bound on the target, N·m.
+    """
+
+    speed_gain: NonNegative = 0.0
+    torque_limit: NonNegative = 0.0
+
+
+class AttitudeParameters(Parameters):
+    """Virtual spring and damper on torso roll and pitch (Han 2023, eq. 21): k¹ in 1/s², k² in 1/s."""
+
+    roll_stiffness: NonNegative
+    roll_damping: NonNegative
+    pitch_stiffness: NonNegative
+    pitch_damping: NonNegative
+
+
+class TrackingParameters(Parameters):
+    """Acceleration references of joints and swing foot (Han 2023, eqs. 20 and 22): 1/s² and 1/s."""
+
+    joint_stiffness: NonNegative
+    joint_damping: NonNegative
+    foot_stiffness: NonNegative
+    foot_damping: NonNegative
+
+
+class StandingParameters(Parameters):
+    """Balance on both feet: CoM over the middle of the soles, hip height held.
+
+    Attributes:
+        com_stiffness: 1/s².
+        com_damping: 1/s.
+        weight: cost of the CoM acceleration error.
+        entry_speed: largest CoM speed at which a walk may end in standing, m/s.
+    """
+
+    com_stiffness: NonNegative
+    com_damping: NonNegative
+    weight: Positive
+    entry_speed: Positive
+
+
+class TaskWeights(Parameters):
+    """Weights of the whole-body QP's cost (Han 2023, eqs. 18-25 and its corrections)."""
+
+    stance_linear: Positive
+    stance_angular: NonNegative
+    swing_foot: NonNegative
+    attitude: NonNegative
+    knee: NonNegative
+    swing_joint: NonNegative
+    swing_ankle: NonNegative
+    other_joint: NonNegative = 1.0
+    ankle_torque: NonNegative
+    torque_change: NonNegative
+    regularisation: Positive
+
+
+class ContactParameters(Parameters):
+    """Bounds on the sole wrench in the whole-body QP (Han 2023, eq. 26 and its corrections).
+
+    Attributes:
+        friction: Coulomb coefficient of the friction pyramid.
+        normal_force: smallest and largest normal force on a stance sole, N.
+        zmp_margin: distance of the ZMP from the sole's edge, m.
+        yaw_friction: largest |τz| per newton of normal force, m.
+    """
+
+    friction: Positive
+    normal_force: tuple[NonNegative, Positive]
+    zmp_margin: NonNegative
+    yaw_friction: NonNegative
+
+
+class TouchdownParameters(Parameters):
+    """When a step ends.
+
+    Attributes:
+        force: sole force that counts as contact, N.
+        earliest: share of the period before which contact is ignored.
+        latest: share of the period at which the step is ended anyway.
+        descent_speed: speed at which the swing sole goes on downwards after the period, m/s.
+    """
+
+    force: Positive
+    earliest: Fraction
+    latest: Annotated[float, Field(ge=1.0, le=3.0)]
+    descent_speed: NonNegative
+
+
+class InverseKinematicsParameters(Parameters):
+    """Inverse kinematics QP (Han 2023, eqs. 28-32).
+
+    Attributes:
+        gain: k_IK, 1/s.
+        step_weight: Q2, on the increment.
+        change_weight: Q3, on the change of the increment.
+        pitch_weight: Q4, on the sole's orientation error, relative to Q1 = 1.
+    """
+
+    gain: Positive
+    step_weight: Positive
+    change_weight: NonNegative
+    pitch_weight: NonNegative
+
+
+class JointGains(Parameters):
+    """Joint PD of eq. 27, hip to ankle, for a swing and for a stance leg: N·m/rad and N·m·s/rad."""
+
+    swing_stiffness: tuple[NonNegative, ...]
+    swing_damping: tuple[NonNegative, ...]
+    stance_stiffness: tuple[NonNegative, ...]
+    stance_damping: tuple[NonNegative, ...]
+
+
+class OtherJointGains(Parameters):
+    """Joints outside the legs hold the model's zero position: 1/s² and 1/s for the QP's acceleration reference."""
+
+    stiffness: NonNegative = 100.0
+    damping: NonNegative = 20.0
+
+
+class EstimatorParameters(Parameters):
+    """Standard deviations of the Kalman filters (Han 2023, section 4.3).
+
+    Attributes:
+        accelerometer: noise of the specific force, m/s².
+        accelerometer_drift: random walk of its bias, m/s² per √s.
+        leg_odometry: noise of the stance foot's velocity, m/s.
+        foot_height: noise of the stance foot's height, m.
+        joint_acceleration: process noise of the joint-velocity filter, rad/s².
+        encoder: noise of a joint angle, rad.
+    """
+
+    accelerometer: Positive = 0.3
+    accelerometer_drift: Positive = 0.02
+    leg_odometry: Positive = 0.1
+    foot_height: Positive = 0.005
+    joint_acceleration: Positive = 200.0
+    encoder: Positive = 3e-4
+
+
+class ControlParameters(Parameters):
+    """One preset: every number the controller uses besides the gait template's own inputs."""
+
+    foothold: FootholdParameters
+    ankle: AnkleParameters = AnkleParameters()
+    attitude: AttitudeParameters
+    tracking: TrackingParameters
+    standing: StandingParameters
+    weights: TaskWeights
+    contact: ContactParameters
+    touchdown: TouchdownParameters
+    inverse_kinematics: InverseKinematicsParameters
+    joint_gains: JointGains
+    joint_gains_estimated: JointGains
+    other_joints: OtherJointGains = OtherJointGains()
+    estimator: EstimatorParameters = EstimatorParameters()
