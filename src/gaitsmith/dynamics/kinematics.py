@@ -162,7 +162,7 @@ def move(tree: Tree, state: TreeState, v: Vector) -> None:
             if kind == FREE:
                 u0, u1, u2 = u0 + v[dof], u1 + v[dof + 1], u2 + v[dof + 2]
                 dof += 3
-            if kind == FREE or kind == BALL:
+            if kind in (FREE, BALL):
                 last = dof + 3
             m0 = m1 = m2 = n0 = n1 = n2 = 0.0
             for i in range(dof, last):
