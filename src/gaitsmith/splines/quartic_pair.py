@@ -55,7 +55,7 @@ def coefficients(t0: float, t1: float, t2: float, chi: Array) -> Array:
         chi: (ζ₀, v₀, ψ₀, ζ₁, ζ₂, v₂, ψ₂, ζ₁, 0, 0): position, velocity, acceleration at the start, position at the
             joint, position, velocity, acceleration at the end, position at the joint, and the two jumps at the joint.
     """
-    solved: Array = np.linalg.solve(w_matrix(t0, t1, t2), chi)
+    solved: Array = np.asarray(np.linalg.solve(w_matrix(t0, t1, t2), chi), dtype=np.float64)
     return solved
 
 
