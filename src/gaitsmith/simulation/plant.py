@@ -341,7 +341,9 @@ def _compile(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[
             contact(body, names[b], body, "world", _FOUND, _FIRST)
     n_imu = len(spec.sensors)
     torso = spec.body(names[robot.torso_body])
-    imu = torso.add_site(name="gaitsmith_imu")
+    site = robot.card.imu_site
+    place = robot.model.site(site).pos if site else np.zeros(3)
+    imu = torso.add_site(name="gaitsmith_imu", pos=place)
     for kind in (mujoco.mjtSensor.mjSENS_ACCELEROMETER, mujoco.mjtSensor.mjSENS_GYRO):
         spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=imu.name)
     try:
