@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.assembly import ModelText, assemble, compiled, sole_frame
 from gaitsmith.robots.card import LegCard, RobotCard
 from gaitsmith.robots.card_file import CARD_NAME, read_card
 from gaitsmith.robots.mjcf import mjcf_text
-from gaitsmith.robots.robot import Array, Leg, Robot
+from gaitsmith.robots.robot import Array, Indices, Leg, Robot
 from gaitsmith.robots.safety import CardFolder, parse_xml
 from gaitsmith.robots.urdf import urdf_text
 
@@ -87,12 +88,12 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
         model=model,
         notes=notes,
         joint_names=names,
-        joint_dofs=_fixed(model.jnt_dofadr[1:], np.int64),
-        actuators=_fixed(np.arange(len(names)), np.int64),
+        joint_dofs=_indices(model.jnt_dofadr[1:]),
+        actuators=_indices(np.arange(len(names))),
         position_low=_fixed([limit.position[0] for limit in limits]),
         position_high=_fixed([limit.position[1] for limit in limits]),
-        velocity=_fixed([limit.velocity for limit in limits]),
-        torque=_fixed([limit.torque for limit in limits]),
+        velocity_limit=_fixed([limit.velocity for limit in limits]),
+        torque_limit=_fixed([limit.torque for limit in limits]),
         torso_body=torso,
         hip_midpoint=_fixed((left.hip_anchor + right.hip_anchor) / 2.0),
         imu_position=imu_position,
@@ -158,13 +159,14 @@ def _leg(
     field = f"{label}: legs[{card.legs.index(leg)}]"
     site = model.site(sole_frame(leg))
     body = int(model.site_bodyid[site.id])
-    rotation: NDArray[np.float64] = data.xmat[torso].reshape(3, 3)
+    rotation: Array = data.xmat[torso].reshape(3, 3)
     anchors = [rotation.T @ (data.xanchor[model.joint(name).id] - data.xpos[torso]) for name in leg.joints]
     chain = [int(model.jnt_bodyid[model.joint(name).id]) for name in leg.joints] + [body]
-    for place, (upper, lower) in enumerate(zip(chain[:-1], chain[1:], strict=True)):
+    indices = [names.index(name) for name in leg.joints]
+    for place, (upper, lower) in enumerate(pairwise(chain)):
         while lower > upper:
             lower = int(model.body_parentid[lower])
-        if lower != upper:
+        if lower != upper or indices != sorted(indices):
             valid = "a chain from hip to ankle that carries the sole"
             raise BadInput(f"{field}.joints[{place}]", leg.joints[place], valid)
     sole_axes = rotation.T @ data.site_xmat[site.id].reshape(3, 3)
@@ -181,7 +183,7 @@ def _leg(
         name=leg.name,
         side=1 if leg.name == "left" else -1,
         joints=leg.joints,
-        joint_indices=_fixed([names.index(name) for name in leg.joints], np.int64),
+        joint_indices=_indices(indices),
         knee=names.index(leg.knee),
         ankle_pitch=names.index(leg.ankle_pitch),
         ankle_roll=-1 if leg.ankle_roll is None else names.index(leg.ankle_roll),
@@ -201,14 +203,21 @@ def _imu(model: mujoco.MjModel, card: RobotCard) -> tuple[Array, Array]:
     return _fixed(model.site_pos[site]), _rotation(model.site_quat[site])
 
 
-def _rotation(quaternion: NDArray[np.float64]) -> Array:
+def _rotation(quaternion: Array) -> Array:
     matrix = np.empty(9)
     mujoco.mju_quat2Mat(matrix, quaternion)
     return _fixed(matrix.reshape(3, 3))
 
 
-def _fixed(values: object, kind: type = np.float64) -> NDArray:  # type: ignore[type-arg]
+def _fixed(values: npt.ArrayLike) -> Array:
     """A read-only copy."""
-    array = np.array(values, dtype=kind)
+    array = np.array(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def _indices(values: npt.ArrayLike) -> Indices:
+    """A read-only copy."""
+    array = np.array(values, dtype=np.int64)
     array.flags.writeable = False
     return array
