@@ -27,12 +27,14 @@ class ModelText:
         meshes: contents by the names that the text uses.
         entry: what errors begin with, the model's file name.
         urdf_mass: sum of the URDF's masses, kg; None for MJCF.
+        left_out: kinds of element that the file has and the text has not.
     """
 
     text: str
     meshes: dict[str, bytes]
     entry: str
     urdf_mass: float | None
+    left_out: tuple[str, ...] = ()
 
 
 def assemble(source: ModelText, card: RobotCard, label: str) -> tuple[mujoco.MjSpec, tuple[str, ...]]:
@@ -55,7 +57,7 @@ def assemble(source: ModelText, card: RobotCard, label: str) -> tuple[mujoco.MjS
         raise _rewrapped(error, source.entry) from None
     spec.compiler.fusestatic = False
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    notes: list[str] = []
+    notes = [f"left out, the plant has its own: {', '.join(source.left_out)}"] if source.left_out else []
     for body in spec.bodies:
         body.name = body.name or _unused(spec.bodies, "body")
     _root(spec, card, label, source.entry, notes)
@@ -86,7 +88,8 @@ def compiled(spec: mujoco.MjSpec, entry: str) -> mujoco.MjModel:
 
 
 def _rewrapped(error: Exception, entry: str) -> BadInput:
-    return BadInput(entry, " ".join(str(error).split()).removeprefix("Error: "), "a model that MuJoCo accepts")
+    message = " ".join(str(error).split()).removeprefix("XML ").removeprefix("Error: ")
+    return BadInput(entry, "a model that MuJoCo refuses", "a valid model", message)
 
 
 def _root(spec: mujoco.MjSpec, card: RobotCard, label: str, entry: str, notes: list[str]) -> None:

@@ -21,6 +21,11 @@ from gaitsmith.robots.urdf import urdf_text
 SHIPPED = Path(__file__).parent
 MASS_TOLERANCE = 1e-3  # relative; a card states its mass to a few digits
 URDF_TOLERANCE = 1e-9  # relative; the same numbers summed in another order
+NUMBERS = (
+    *("body_mass", "body_subtreemass", "body_inertia", "body_pos", "body_quat", "body_ipos", "body_iquat"),
+    *("jnt_pos", "jnt_axis", "jnt_range", "dof_armature", "dof_damping", "dof_frictionloss", "dof_invweight0"),
+    *("geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
+)
 UPRIGHT = 0.5  # cosine; a sole frame further than 60 degrees from the torso's axes is a mistake
 
 
@@ -57,8 +62,8 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
     label, entry = folder.label, Path(card.model).name
     root = parse_xml(folder.read(card.model, f"{label}: model"), entry)
     if root.tag == "mujoco":
-        text, meshes = mjcf_text(root, folder, entry)
-        source = ModelText(text, meshes, entry, None)
+        text, meshes, left_out = mjcf_text(root, folder, entry)
+        source = ModelText(text, meshes, entry, None, left_out)
     elif root.tag == "robot":
         text, meshes, mass = urdf_text(root, folder, entry)
         source = ModelText(text, meshes, entry, mass)
@@ -107,7 +112,7 @@ def _card_path(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
     if isinstance(name_or_path, str) and text in robot_names():
         return SHIPPED / text / CARD_NAME
-    path = Path(name_or_path)
+    path = Path(text)
     try:
         if path.suffix == ".toml" and path.is_file():
             return path
@@ -120,21 +125,11 @@ def _card_path(name_or_path: str | Path) -> Path:
 
 
 def _check_numbers(model: mujoco.MjModel, entry: str) -> None:
-    for name in (
-        "body_mass",
-        "body_inertia",
-        "body_pos",
-        "body_quat",
-        "body_ipos",
-        "body_iquat",
-        "jnt_pos",
-        "jnt_axis",
-    ):
+    for name in NUMBERS:
         if not np.isfinite(getattr(model, name)).all():
             raise BadInput(f"{entry}: {name}", "not a finite number", "finite numbers")
-    for body in range(1, model.nbody):
-        if model.body_subtreemass[body] < 0.0 or model.body_mass[body] < 0.0:
-            raise BadInput(f"{entry}: body {model.body(body).name}", model.body_mass[body], "a mass of 0 or more")
+    if model.body_mass.min() < 0.0 or not model.body_subtreemass[1] > 0.0:
+        raise BadInput(f"{entry}: masses", model.body_mass.tolist(), "masses of 0 or more kg, the sum above 0")
 
 
 def _check_mass(model: mujoco.MjModel, card: RobotCard, source: ModelText, label: str) -> None:
