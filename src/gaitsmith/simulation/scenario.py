@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from importlib import resources
@@ -51,11 +52,12 @@ class Command(BaseModel):
     @classmethod
     def _forward_alone(cls, given: Any) -> Any:
         """A single number is a forward speed."""
-        if isinstance(given, int | float):
-            return (given, 0.0)
-        if isinstance(given, list | tuple) and len(given) == 1:
-            return (given[0], 0.0)
-        return given
+        if given is None:
+            return None
+        pair = list(given) if isinstance(given, list | tuple) else [given]
+        if not 1 <= len(pair) <= 2 or not all(type(n) in (int, float) and math.isfinite(n) for n in pair):
+            raise ValueError("one or two finite numbers, m/s, forward and to the left")
+        return (float(pair[0]), float(pair[1]) if len(pair) == 2 else 0.0)
 
     def given(self) -> dict[str, Any]:
         """The inputs that are set, as keyword arguments of :meth:`gaitsmith.control.Controller.command`."""
@@ -168,11 +170,13 @@ def make_scenario(fields: dict[str, Any], source: str = "") -> Scenario:
         BadInput: naming the first field that is wrong, its value, and what is valid.
     """
     try:
-        return Scenario.model_validate(fields)
+        return Scenario.model_validate_json(json.dumps(fields, default=str), strict=True)
     except ValidationError as error:
         raise _bad_input(error, source) from None
     except BadInput as error:
         raise BadInput(f"{source}{error.field}", error.value, error.valid, error.remedy) from None
+    except (RecursionError, TypeError, ValueError) as error:
+        raise BadInput(f"{source}scenario", str(error), "names and values of a scenario's fields") from None
 
 
 def check_scenario(scenario: Scenario, robot: Robot) -> None:
@@ -246,10 +250,13 @@ def _bad_input(error: ValidationError, source: str) -> BadInput:
     if first["type"] == "extra_forbidden":
         valid = "no such field; the fields are " + ", ".join(_siblings(first["loc"]))
     value = None if first["type"] == "missing" else first["input"]
-    return BadInput(f"{source}{field or 'scenario'}", value, valid.removeprefix("input should be "))
+    for opening in ("input should be ", "value error, "):
+        valid = valid.removeprefix(opening)
+    return BadInput(f"{source}{field or 'scenario'}", value, valid)
 
 
 def _siblings(location: tuple[int | str, ...]) -> list[str]:
     """Fields that are known where an unknown one was found."""
-    model: type[BaseModel] = {"changes": Change, "pushes": Push, "sensors": SensorNoise}.get(str(location[0]), Scenario)
+    parts: dict[str, type[BaseModel]] = {"changes": Change, "pushes": Push, "sensors": SensorNoise}
+    model = parts.get(str(location[0]), Scenario)
     return list(model.model_fields) if len(location) > 1 else list(Scenario.model_fields)
