@@ -195,10 +195,10 @@ def _set_torque(table: int, solved: bool) -> None:
         row = 1 if leg == step.stance[0] else 0
         for i in range(legs.joints.shape[1]):
             joint = legs.joints[leg, i]
-            feedback = feedback.stiffness[row, i] * (
+            correction = feedback.stiffness[row, i] * (
                 control.joint_reference[joint] - control.q[7 + joint]
             ) + feedback.damping[row, i] * (control.joint_rate[joint] - control.v[6 + joint])
-            control.torque[joint] = bounded_torque(whole_body.torque[joint], feedback, targets.torque_limit[joint])
+            control.torque[joint] = bounded_torque(whole_body.torque[joint], correction, targets.torque_limit[joint])
 
 
 @kernel

@@ -164,7 +164,7 @@ def solve_whole_body(
     if n < 0:
         body.status[0], body.status[1] = 3, 0
     else:
-        _assemble(qp, state, legs, targets, frames, gains, motion, n)
+        _assemble(qp, state, legs, targets, frames, gains, motion, body, n)
         body.status[0], body.status[1] = solve(qp, _ITERATIONS)
         if body.status[0] == 0:
             _accept(qp, legs, targets, frames, motion, body, n)
