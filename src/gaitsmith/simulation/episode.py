@@ -97,7 +97,6 @@ class Simulation:
         )
         for push in scenario.pushes:
             self.plant.body_id(push.body)
-        self.plant.reset(standing_posture(self.robot, self._gait.height, self._gait.width))
         self._warm_up()
         step = self.plant.control_step
         self.ticks = max(1, round(scenario.duration / step))
@@ -114,10 +113,14 @@ class Simulation:
         self.interrupted = False
 
     def _warm_up(self) -> None:
-        """Load the compiled tick before time is measured, then start afresh."""
+        """Load everything compiled before time is measured, then put the robot on the ground, at rest."""
+        start = standing_posture(self.robot, self._gait.height, self._gait.width)
+        self.plant.reset(start)
         self.controller.reset()
         self.plant.measure(self.controller.measurement)
-        self.controller.tick()
+        self.plant.step(self.controller.tick())
+        Monitor(self.robot, self.controller, self.plant, self.scenario.duration).watch()
+        self.plant.reset(start)
         self.controller.reset()
         self.controller.command(**self._gait.model_dump())
 
