@@ -83,7 +83,7 @@ CASES: list[tuple[tuple[str | int, ...], Any, str]] = [
     (("gait", "speed"), [9.0, 0.0], "gait.speed[0]"),
     (("gait_limits", "height"), [0.42, 0.77], "gait_limits.height[1]"),
     (("gait_limits", "alpha"), [0.8, 0.2], "gait_limits.alpha"),
-    (("presets", "default"), ..., "presets.paper.foothold.velocity_gain"),
+    (("presets", "default"), ..., "presets"),
     (("presets",), {}, "presets"),
     (("presets",), [], "presets"),
     (("presets", "default", "contact", "normal_force"), [20.0, 10.0], "presets.default.contact.normal_force"),
