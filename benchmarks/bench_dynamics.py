@@ -24,7 +24,6 @@ from gaitsmith.compiled import Arena, Cube, IntVector, Matrix, bind, kernel
 from gaitsmith.dynamics import Tree, TreeState, make_tree_state, point_bias, point_jacobian, read_tree, update
 from gaitsmith.robots import load_robot
 
-
 BATCH = 20  # short enough that another process seldom interrupts one
 
 
