@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -124,12 +123,9 @@ def test_help_is_fast_and_loads_no_engine() -> None:
         "'matplotlib', 'mcap', 'joblib', 'pydantic'}; print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    best = float("inf")
-    for _ in range(4):  # the machine may be busy: the best of a few
-        started = time.perf_counter()
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
-        best = min(best, time.perf_counter() - started)
-        assert done.stderr.strip() == "[]"
-        if best < HELP_SECONDS:
-            break
-    assert best < HELP_SECONDS
+    before = os.times()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    after = os.times()
+    assert done.stderr.strip() == "[]"
+    # Processor time: what a free core takes, however busy the machine is.
+    assert after.children_user + after.children_system - before.children_user - before.children_system < HELP_SECONDS

@@ -25,7 +25,7 @@ def draw_footprints(recording: Recording) -> Figure:
             axis.add_collection(PolyCollection(corners, facecolors=f"{colour}55", edgecolors=colour, linewidths=1.0))
             axis.plot([], [], color=colour, linewidth=4.0, alpha=0.6, label=f"{recording.legs[side].name} sole")
         zmp = _zmp_path(recording)
-        axis.plot(zmp[:, 0], zmp[:, 1], color=THIRD, linewidth=0.9, label="planned ZMP")
+        axis.plot(zmp[:, 0], zmp[:, 1], color=THIRD, linewidth=1.4, zorder=3, label="planned ZMP")
         path = recording.torso_position[sampled(recording)]
         axis.plot(path[:, 0], path[:, 1], color=COMMAND, linewidth=1.2, label="torso")
         soles = recording.sole_position.reshape(-1, 2, 3)
