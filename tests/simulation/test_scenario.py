@@ -12,7 +12,7 @@ from tests.simulation.standing import robot
 from gaitsmith.errors import BadInput
 from gaitsmith.simulation.scenario import GAIT_FIELDS, Scenario, check_scenario, load_scenario, make_scenario
 
-MANY = settings(max_examples=2000)
+MANY = settings(max_examples=1000)
 anything = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
@@ -55,7 +55,7 @@ def test_whatever_is_in_a_file_is_refused_in_one_line(tmp_path_factory, content)
         assert "random.toml" in str(error)
 
 
-@MANY
+@settings(max_examples=300)
 @given(st.lists(st.floats(0.0, 19.0), min_size=2, max_size=5, unique=True))
 def test_times_must_rise(times):
     changes = [{"time": time, "lift": 0.1} for time in times]
