@@ -12,6 +12,7 @@ import pytest
 
 from gaitsmith.cli import dispatch
 from gaitsmith.cli.dispatch import Command, Outcome, main
+from gaitsmith.cli.printing import Printer
 from gaitsmith.errors import BadInput, CacheRefused
 
 LEAVES = sorted(dispatch.COMMANDS)
@@ -106,15 +107,16 @@ def test_every_command_has_help(path: tuple[str, ...], capsys: pytest.CaptureFix
     assert "--json" in capsys.readouterr().out
 
 
-def test_a_reader_that_leaves_is_no_error(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reader_that_leaves_changes_no_exit_code(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     class Closed(io.StringIO):
         def write(self, text: str) -> int:
             raise BrokenPipeError
 
-    trial(outcome)
     monkeypatch.setattr(sys, "stdout", Closed())
-    assert main(["trial"]) == 0
-    assert main(["trial", "--json"]) == 0
+    for show in (lambda: print("a line"), lambda: Printer().print("a table")):
+        trial(lambda show=show: Outcome(1, {}, show))
+        assert main(["trial"]) == 1
+        assert main(["trial", "--json"]) == 1
 
 
 def test_help_is_fast_and_loads_no_engine() -> None:

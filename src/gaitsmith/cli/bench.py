@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -10,8 +9,6 @@ from typing import Annotated, Any
 
 from gaitsmith.cli.arguments import Repeatable, integer, number, parse, text
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome
-
-_WIDE = 110  # columns when the output is no terminal
 
 
 @dataclass(frozen=True)
@@ -131,12 +128,11 @@ def _measure(name: str, arguments: Any) -> Outcome:
 
 def _print_result(result: Any) -> None:
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(file=sys.stdout, highlight=False)
-    if not console.is_terminal:
-        console.width = _WIDE
+    from gaitsmith.cli.printing import Printer
+
+    console = Printer()
     table = Table(box=SIMPLE_HEAD)
     for index, heading in enumerate(result.columns):
         table.add_column(heading, justify="right" if index else "left")
@@ -144,4 +140,4 @@ def _print_result(result: Any) -> None:
         table.add_row(*row)
     console.print(table)
     for note in result.notes:
-        console.print(note, markup=False)
+        console.print(note)

@@ -110,18 +110,17 @@ def _load(name: str) -> Robot:
 def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
     """Legs, limits and assumptions as tables."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(file=sys.stdout, highlight=False)
-    console.print(f"{robot.card.name}: {robot.card.description}", markup=False)
-    console.print(f"{robot.mass:.3f} kg, {document['model_path']}", markup=False, soft_wrap=True)
+    from gaitsmith.cli.printing import Printer
+
+    console = Printer()
+    console.print(f"{robot.card.name}: {robot.card.description}")
+    console.print(f"{robot.mass:.3f} kg, {document['model_path']}", soft_wrap=True)
     for leg in robot.legs:
         sole = leg.sole
         size = f"heel {sole.heel:g} m, toe {sole.toe:g} m" + (f", ±{sole.half_width:g} m" if sole.half_width else "")
-        console.print(
-            f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}", markup=False
-        )
+        console.print(f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}")
     table = Table(box=SIMPLE_HEAD)
     for heading in ("joint", "from", "to", "speed\nper s", "torque\nN·m"):
         table.add_column(heading, justify="left" if heading == "joint" else "right")
@@ -129,11 +128,11 @@ def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
         low, high = limit["position"]
         table.add_row(name, f"{low:g}", f"{high:g}", f"{limit['velocity']:g}", f"{limit['torque']:g}")
     console.print(table)
-    console.print(f"presets: {', '.join(document['presets'])}", markup=False)
+    console.print(f"presets: {', '.join(document['presets'])}")
     for assumption in robot.card.assumptions:
-        console.print(f"assumed: {assumption.what}: {assumption.value} ({assumption.why})", markup=False)
+        console.print(f"assumed: {assumption.what}: {assumption.value} ({assumption.why})")
     for note in robot.notes:
-        console.print(f"note: {note}", markup=False)
+        console.print(f"note: {note}")
 
 
 def _line(words: str) -> None:

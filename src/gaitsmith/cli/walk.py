@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -189,6 +190,7 @@ def _write(folder: Path, simulation: Simulation, episode: Episode, figures: bool
         write_text_atomic(staging / "summary.json", episode.summary.model_dump_json(indent=2) + "\n")
         write_text_atomic(staging / "scenario.toml", scenario_toml(_portable(simulation.scenario)))
         if figures and episode.log is not None and len(episode.log.rows) > 1:
+            logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
             from gaitsmith.view import recording_of, write_figures
 
             write_figures(recording_of(episode.log, simulation.robot), staging)

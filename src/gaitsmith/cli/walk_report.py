@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from gaitsmith.cli.printing import Printer
 from gaitsmith.robots import Robot
 from gaitsmith.simulation import Summary
-
-_WIDE = 110  # columns when the output is no terminal
 
 
 def print_report(summary: Summary, robot: Robot, folder: Path | None) -> None:
     """Print stages, torques against limits, times, and what went wrong, to stdout."""
-    console = Console(file=sys.stdout, highlight=False)
-    if not console.is_terminal:
-        console.width = _WIDE
+    console = Printer()
     console.print(stage_table(summary))
     console.print(torque_table(summary, robot))
     for line in closing_lines(summary):
