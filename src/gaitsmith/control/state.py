@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector
-from gaitsmith.robots import Robot
-from gaitsmith.robots.parameters import ControlParameters
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+    from gaitsmith.robots.parameters import ControlParameters
 
 
 class ControlState(NamedTuple):

@@ -6,11 +6,13 @@ once a step removes the bias; at zero command a slow offset brings the robot bac
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from gaitsmith.compiled import Vector, kernel
-from gaitsmith.robots.parameters import FootholdParameters
 from gaitsmith.template.step import LEFT, Gait, StepState
+
+if TYPE_CHECKING:
+    from gaitsmith.robots.parameters import FootholdParameters
 
 
 class FootholdGains(NamedTuple):
