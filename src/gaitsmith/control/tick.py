@@ -337,7 +337,9 @@ def tick(table: int) -> None:
         return
     update(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
-    switched = advance_phase(step, requested, latched, foothold, touchdown, gains, frames, control, measurement)
+    switched = advance_phase(
+        step, requested, latched, foothold, touchdown, gains, frames, tree_state.com, control, measurement
+    )
     if step.mode[0] == WALK:
         stance = step.stance[0]
         swing = RIGHT if stance == LEFT else LEFT
