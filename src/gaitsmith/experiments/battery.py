@@ -67,10 +67,7 @@ def run_battery(
         "interrupted": episodes.interrupted,
     }
     notes = [line for outcome in outcomes for line in outcome.notes()]
-    if episodes.resumed:
-        notes.append(f"{episodes.resumed} of {len(wanted)} episodes found in {store.path}")
-    if store.damaged:
-        notes.append(f"{store.damaged} damaged lines in {store.path} were passed over")
+    notes += episodes.notes(len(wanted), store)
     notes.append(", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()))
     columns = ("trial", "target", "measured", "verdict")
     result = Result(document, columns, tuple(o.row() for o in outcomes), tuple(notes), episodes.interrupted)

@@ -39,6 +39,19 @@ class Episodes:
     interrupted: bool
     resumed: int
 
+    def notes(self, total: int, store: Store) -> list[str]:
+        """What is to be said of ``total`` episodes and where they are kept, a line each."""
+        lines = []
+        if self.interrupted:
+            lines.append(
+                f"interrupted after {len(self.found)} of {total} episodes; the same command goes on from there"
+            )
+        if self.resumed:
+            lines.append(f"{self.resumed} of {total} episodes found in {store.path}")
+        if store.damaged:
+            lines.append(f"{store.damaged} damaged lines in {store.path} were passed over")
+        return lines
+
 
 def run_all(
     scenarios: Iterable[Scenario],

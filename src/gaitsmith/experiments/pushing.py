@@ -129,12 +129,12 @@ def _run_grids(
         )
         for grid in grids
     ]
-    notes = [f"{episodes.resumed} of {len(scenarios)} episodes found in {store.path}"] if episodes.resumed else []
+    notes = episodes.notes(len(scenarios), store)
     for outcome in outcomes:
         limits = ", ".join(f"{name} ({count})" for name, count in outcome.fall_limits().most_common(4))
         if limits:
             notes.append(f"{outcome.grid.name}: falls began with {limits}")
-    notes += _skip_notes(skipped) + _store_notes(store)
+    notes += _skip_notes(skipped)
     rows = [_row(outcome) for outcome in outcomes]
     rows += [(grid.name, "", "", "", "skipped") for grid in skipped]
     return Result(
@@ -203,7 +203,3 @@ def _bracket(low: float, high: float | None) -> str:
 
 def _skip_notes(skipped: dict[PushGrid, str]) -> list[str]:
     return [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
-
-
-def _store_notes(store: Store) -> list[str]:
-    return [f"{store.damaged} damaged lines in {store.path} were passed over"] if store.damaged else []

@@ -19,8 +19,6 @@ from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.simulation import Simulation
 
-_EVERY = 20  # ticks between samples
-
 
 @kernel
 def _dynamics(table: int) -> None:
@@ -58,14 +56,14 @@ def time_parts(simulation: Simulation) -> dict[str, float]:
     """
     table = simulation.controller._address  # the tick's only argument: a part is called as the tick is
     _dynamics(table)
+    _whole_body(table)
     samples: list[tuple[int, int]] = []
     while simulation.step():
-        if simulation.tick % _EVERY == 0:
-            began = perf_counter_ns()
-            _dynamics(table)
-            between = perf_counter_ns()
-            _whole_body(table)
-            samples.append((between - began, perf_counter_ns() - between))
+        began = perf_counter_ns()
+        _dynamics(table)
+        between = perf_counter_ns()
+        _whole_body(table)
+        samples.append((between - began, perf_counter_ns() - between))
     times: npt.NDArray[np.float64] = np.array(samples or [(0, 0)]) / 1000.0
     dynamics, whole_body = np.median(times, axis=0)
     whole = simulation.summary().tick_us.median

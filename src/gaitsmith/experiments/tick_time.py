@@ -160,8 +160,9 @@ def count_allocations(simulation: Simulation, ticks: int = ALLOCATION_TICKS) -> 
     Raises:
         GaitsmithError: the robot fell before the ticks were done.
     """
-    from numba.core.runtime import rtsys
+    from numba.core.runtime import _nrt_python, rtsys
 
+    _nrt_python.memsys_enable_stats()  # off by default: numba counts for tests only
     simulation.step()
     before = rtsys.get_allocation_stats()
     for _ in range(ticks):

@@ -61,7 +61,7 @@ def _held(name: str, values: Iterable[float], **fields: Any) -> dict[str, Any]:
 
 def _figure5(**fields: Any) -> dict[str, Any]:
     """The paper's speed profile."""
-    return {**load_scenario("figure5").model_dump(mode="json", exclude_none=True), **fields}
+    return {**load_scenario("figure5").model_dump(mode="json", exclude_unset=True), **fields}
 
 
 def battery_trials() -> tuple[Trial, ...]:
