@@ -20,7 +20,7 @@ def _leave_rest(
     step: StepState, requested: Gait, latched: Gait, frames: Frames, com: Vector, control: ControlState
 ) -> None:
     """Take the first step, towards the side that the command points to."""
-    latch(requested, latched)
+    latch(step, requested, latched)
     stance = LEFT if requested.speed[1] < 0.0 else RIGHT
     swing = RIGHT if stance == LEFT else LEFT
     desired = control.foot_desired[3 * stance : 3 * stance + 3]
@@ -35,6 +35,7 @@ def _leave_rest(
         step.station[1] = com[1]
     begin_step(step, stance, desired, frames.relative[swing], frames.sole_pitch[swing])
     step.last_duration[0] = 0.0
+    step.settling[0] = 3
     step.mode[0] = WALK
 
 
@@ -50,7 +51,7 @@ def _may_rest(step: StepState, frames: Frames, gains: TickGains) -> bool:
 @kernel
 def _stand(step: StepState, requested: Gait, latched: Gait, control: ControlState, gains: TickGains) -> None:
     """Follow the commanded height while standing."""
-    latch(requested, latched)
+    latch(step, requested, latched)
     step.station_kept[0] = 0
     change = latched.height[0] - control.standing_height[0]
     limit = _HEIGHT_RATE * gains.dt

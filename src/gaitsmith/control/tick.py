@@ -109,6 +109,7 @@ def _run_template(table: int) -> None:
         control.expected,
         control.com_acceleration,
         control.drift,
+        control.arm[2],
         frames.relative[stance, 0, 1],
         control.foothold,
     )

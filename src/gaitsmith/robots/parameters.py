@@ -59,6 +59,8 @@ class FootholdParameters(Parameters):
 
     Attributes:
         velocity_gain: k_v forward and lateral, s; multiplies the velocity error.
+        deadbeat: share of a linear pendulum's own gain in k_v: 1 uses ``coth(ωT) / ω``, which stops the pendulum
+            within one step whatever the period, 0 the fixed k_v of the paper.
         acceleration_gain: k_a, s²; multiplies the CoM acceleration.
         prediction: share of a linear pendulum's forecast in the velocity: 0 takes the present velocity, as in the
             paper, 1 the one expected at touchdown.
@@ -75,6 +77,7 @@ class FootholdParameters(Parameters):
 
     velocity_gain: tuple[NonNegative, NonNegative]
     acceleration_gain: NonNegative = 0.0
+    deadbeat: Fraction = 0.0
     prediction: Fraction = 0.0
     mean_speed: Fraction = 0.0
     integral_gain: tuple[NonNegative, NonNegative] = (0.0, 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from gaitsmith.compiled import IntVector, Matrix, Vector
 
@@ -53,6 +54,7 @@ class StepState(NamedTuple):
         velocity_sum: (2,) sum of the CoM velocity over the ticks of this step, m/s.
         velocity_ticks: (1,) number of those ticks.
         last_mean_velocity: (2,) mean CoM velocity of the previous step, m/s.
+        settling: (1,) steps to go before the integral learns again; a new speed is no bias.
         integral: (2,) bias integral of the foothold, m.
         station: (2,) horizontal position to keep while the commanded speed is zero, world, m.
         station_kept: (1,) 1 once ``station`` is set.
@@ -72,6 +74,7 @@ class StepState(NamedTuple):
     velocity_sum: Vector
     velocity_ticks: IntVector
     last_mean_velocity: Vector
+    settling: IntVector
     integral: Vector
     station: Vector
     station_kept: IntVector
@@ -88,7 +91,7 @@ def make_gait(parameters: GaitParameters) -> Gait:
 def make_step_state() -> StepState:
     """State of a robot at rest on both feet."""
 
-    def integer() -> np.ndarray:
+    def integer() -> npt.NDArray[np.int64]:
         return np.zeros(1, dtype=np.int64)
 
     return StepState(
@@ -104,6 +107,7 @@ def make_step_state() -> StepState:
         velocity_sum=np.zeros(2),
         velocity_ticks=integer(),
         last_mean_velocity=np.zeros(2),
+        settling=integer(),
         integral=np.zeros(2),
         station=np.zeros(2),
         station_kept=integer(),

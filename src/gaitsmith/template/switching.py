@@ -6,13 +6,16 @@ from gaitsmith.compiled import Matrix, kernel
 from gaitsmith.template.foothold import FootholdGains, finish_step
 from gaitsmith.template.step import LEFT, RIGHT, Gait, StepState
 
+_SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
 _SETTLED_SPEED = 0.05  # m/s, below it a robot commanded to zero has arrived and keeps its station
 
 
 @kernel
-def latch(requested: Gait, latched: Gait) -> None:
+def latch(step: StepState, requested: Gait, latched: Gait) -> None:
     """Take over the requested gait; the paper updates parameters when the legs switch (section 2.3)."""
     for axis in range(2):
+        if requested.speed[axis] != latched.speed[axis]:
+            step.settling[0] = _SETTLING_STEPS
         latched.speed[axis] = requested.speed[axis]
     latched.period[0] = requested.period[0]
     latched.alpha[0] = requested.alpha[0]
@@ -68,6 +71,6 @@ def switch_legs(
         slow_x = abs(step.last_mean_velocity[0]) < _SETTLED_SPEED
         if slow_x and abs(latched.speed[0]) + abs(latched.speed[1]) == 0.0:
             step.station_kept[0] = 1
-    latch(requested, latched)
+    latch(step, requested, latched)
     stance = RIGHT if step.stance[0] == LEFT else LEFT
     begin_step(step, stance, swing_desired, stance_actual, stance_pitch)
