@@ -101,6 +101,8 @@ def _run_template(table: int) -> None:
     control.arm[2] = tree_state.com[2] - place[2]
     touchdown_velocity(step, latched, foothold, frames.com_velocity, control.arm, control.expected)
     _turn_to_heading(frames, tree_state.com[0] - step.station[0], tree_state.com[1] - step.station[1], control.drift)
+    hip = frames.hip_position
+    _turn_to_heading(frames, tree_state.com[0] - hip[0], tree_state.com[1] - hip[1], control.com_offset)
     _com_acceleration(tree_state, frames, whole_body, control)
     foothold_target(
         step,
@@ -110,6 +112,7 @@ def _run_template(table: int) -> None:
         control.com_acceleration,
         control.drift,
         control.arm[2],
+        control.com_offset,
         frames.relative[stance, 0, 1],
         control.foothold,
     )

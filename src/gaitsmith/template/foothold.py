@@ -71,6 +71,12 @@ def pendulum_frequency(com_height: float) -> float:
 
 
 @kernel
+def expected_duration(step: StepState, gait: Gait) -> float:
+    """How long the present step will last, from how long steps have lasted, s."""
+    return step.duration_ratio[0] * gait.period[0]
+
+
+@kernel
 def touchdown_velocity(
     step: StepState, gait: Gait, gains: FootholdGains, velocity: Vector, arm: Vector, out: Vector
 ) -> None:
@@ -88,9 +94,10 @@ def touchdown_velocity(
         out: (4,) velocity forward and lateral, reference forward and lateral, m/s.
     """
     omega = pendulum_frequency(arm[2])
-    half = 0.5 * omega * gait.period[0]
+    duration = expected_duration(step, gait)
+    half = 0.5 * omega * duration
     ratio = 1.0 + gains.mean_speed * (half / math.tanh(half) - 1.0)
-    remaining = omega * max(gait.period[0] - step.time[0], 0.0)
+    remaining = omega * max(duration - step.time[0], 0.0)
     grow, carry = math.sinh(remaining), math.cosh(remaining)
     for axis in range(2):
         expected = carry * velocity[axis] + omega * grow * arm[axis]
@@ -107,6 +114,7 @@ def foothold_target(
     acceleration: Vector,
     drift: Vector,
     com_height: float,
+    com_offset: Vector,
     stance_y: float,
     out: Vector,
 ) -> None:
@@ -122,20 +130,24 @@ def foothold_target(
         acceleration: (2,) CoM acceleration, heading frame, m/s².
         drift: (2,) CoM position relative to the station, heading frame, m.
         com_height: CoM above the stance sole, m.
+        com_offset: (2,) CoM relative to the hip midpoint, heading frame, m.
         stance_y: lateral position of the stance sole, hip midpoint, heading frame, m.
         out: (2,) target, m.
     """
     side = -1.0 if step.stance[0] == LEFT else 1.0
     omega = pendulum_frequency(com_height)
-    deadbeat = 1.0 / (omega * math.tanh(omega * gait.period[0]))
+    expected = expected_duration(step, gait)
+    deadbeat = 1.0 / (omega * math.tanh(omega * expected))
+    duration = gait.period[0] + gains.mean_speed * (expected - gait.period[0])
     for axis in range(2):
         gain = gains.velocity_gain_x if axis == 0 else gains.velocity_gain_y
         gain += gains.deadbeat * (deadbeat - gain)
         out[axis] = (
-            0.5 * gait.period[0] * gait.speed[axis]
+            0.5 * duration * gait.speed[axis]
             + gain * (velocity[axis] - velocity[2 + axis])
             - gains.acceleration_gain * acceleration[axis]
             - step.integral[axis]
+            + gains.mean_speed * com_offset[axis]
         )
         if step.station_kept[0] == 1:
             station = gains.station_gain_x if axis == 0 else gains.station_gain_y

@@ -48,6 +48,7 @@ class StepState(NamedTuple):
         count: (1,) steps taken since the reset.
         time: (1,) time since the step began, s.
         last_duration: (1,) duration of the previous step, s.
+        duration_ratio: (1,) how long steps last, as a share of the commanded period (early touchdown).
         support_start: (3, 3) desired position, velocity, acceleration of the support sole when the step began.
         swing_start: (2, 3) actual position and velocity of the swing sole when the step began.
         swing_pitch_start: (1,) pitch of the swing sole when the step began, rad.
@@ -68,6 +69,7 @@ class StepState(NamedTuple):
     count: IntVector
     time: Vector
     last_duration: Vector
+    duration_ratio: Vector
     support_start: Matrix
     swing_start: Matrix
     swing_pitch_start: Vector
@@ -101,6 +103,7 @@ def make_step_state() -> StepState:
         count=integer(),
         time=np.zeros(1),
         last_duration=np.zeros(1),
+        duration_ratio=np.ones(1),
         support_start=np.zeros((3, 3)),
         swing_start=np.zeros((2, 3)),
         swing_pitch_start=np.zeros(1),

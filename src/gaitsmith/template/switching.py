@@ -7,6 +7,7 @@ from gaitsmith.template.foothold import FootholdGains, finish_step
 from gaitsmith.template.step import LEFT, RIGHT, Gait, StepState
 
 _SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
+_SHORTEST, _LONGEST = 0.8, 1.1  # of the period; a step that a push cut short says nothing about the next
 _SETTLED_SPEED = 0.05  # m/s, below it a robot commanded to zero has arrived and keeps its station
 
 
@@ -64,6 +65,8 @@ def switch_legs(
         stance_pitch: its pitch, rad.
     """
     finish_step(step, latched, gains)
+    ratio = min(max(step.time[0] / latched.period[0], _SHORTEST), _LONGEST)
+    step.duration_ratio[0] += 0.5 * (ratio - step.duration_ratio[0])
     at_rest = requested.speed[0] == 0.0 and requested.speed[1] == 0.0
     if not at_rest:
         step.station_kept[0] = 0
