@@ -8,6 +8,7 @@ together with the versions that decide what machine code comes out.
 from __future__ import annotations
 
 import ast
+import contextlib
 import functools
 import hashlib
 import os
@@ -49,10 +50,8 @@ def _private_folder(folder: Path) -> Path:
         OSError: it cannot be created.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
-    try:
+    with contextlib.suppress(FileExistsError):
         folder.mkdir(mode=0o700)
-    except FileExistsError:
-        pass
     found = folder.lstat()
     if not stat.S_ISDIR(found.st_mode):
         raise CacheRefused(
@@ -164,6 +163,7 @@ class Kernel:
         return list(self.entry.signatures)
 
     def __call__(self, *arguments: Any) -> Any:
+        """Call from Python."""
         return self.entry(*arguments)
 
 
