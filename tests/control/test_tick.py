@@ -20,7 +20,7 @@ SIGN = 1e-13  # of the QP's scale: a multiplier so small has no sign, only round
 SAMPLES = 13  # ticks from one comparison to the next
 AROUND = 3  # ticks after a switch that are all compared
 
-FORECAST = {"prediction": 1.0, "mean_speed": 1.0, "acceleration_gain": 0.01}  # switched off in the presets
+PARTLY = {"deadbeat": 0.5, "prediction": 0.7, "mean_speed": 0.6, "acceleration_gain": 0.01}  # no preset has these
 
 
 class Case(NamedTuple):
@@ -34,7 +34,7 @@ class Case(NamedTuple):
 CASES = {
     "bhr_b2": Case("bhr_b2", parameters("bhr_b2")),
     "paper": Case("bhr_b2", parameters("bhr_b2", "paper", weights={"torque_change": 1e-3})),
-    "forecast": Case("bhr_b2", parameters("bhr_b2", foothold=FORECAST)),
+    "partly": Case("bhr_b2", parameters("bhr_b2", foothold=PARTLY)),
     "estimated": Case("bhr_b2", parameters("bhr_b2"), "estimated"),
     "six_joint_legs": Case("six_joint_legs", parameters("six_joint_legs")),
     "with_arms": Case("with_arms", parameters("with_arms")),
@@ -115,14 +115,14 @@ def decided(name: str) -> list[Comparison]:
 
 @cases
 def test_the_walk_covers_what_it_should(case: str) -> None:
-    """Standing, many steps, nothing given up; the paper's robot ends at rest."""
+    """Standing, many steps, nothing given up; the default preset ends at rest."""
     found, end = compared(case)
     assert end["steps"] >= 6
     assert end["bad"] == 0
     assert end["fallbacks"] == 0
-    assert end["standing"] or case not in ("bhr_b2", "forecast")
+    assert end["standing"] or case != "bhr_b2"
     assert len(found) >= 250
-    assert len(decided(case)) >= 0.97 * len(found)
+    assert len(decided(case)) >= 0.95 * len(found)
 
 
 @cases
