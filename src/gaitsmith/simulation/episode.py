@@ -155,7 +155,7 @@ class Simulation:
     @property
     def tick_us(self) -> npt.NDArray[np.float64]:
         """Wall time of every control tick so far, µs."""
-        return self._tick_ns[: self.tick] * 1e-3
+        return np.asarray(self._tick_ns[: self.tick] * 1e-3, dtype=np.float64)
 
     def step(self) -> bool:
         """One control tick; False once the run is over, by its duration or by a fall."""
