@@ -1,6 +1,8 @@
 """The docs against the code: links, modules, functions, tests and card entries that they name exist, and none lacks."""
 
+import importlib.util
 import re
+import sys
 from pathlib import Path
 from types import UnionType
 from typing import Any, get_args
@@ -8,6 +10,7 @@ from typing import Any, get_args
 import pytest
 from pydantic import BaseModel
 
+from gaitsmith.robots import load_robot
 from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
 from gaitsmith.robots.parameters import ControlParameters, GaitParameters
 
@@ -83,3 +86,24 @@ def test_every_preset_number_is_explained() -> None:
         group, _, number = name.partition(".")
         whole = group == "foothold" and f"| `{number}` |" in text
         assert whole or f"`{name}`" in text or f"`{group}.*`" in text, name
+
+
+def test_every_measured_deviation_is_a_valid_preset_and_in_the_table() -> None:
+    spec = importlib.util.spec_from_file_location("deviations", ROOT / "benchmarks" / "deviations.py")
+    assert spec is not None
+    assert spec.loader is not None
+    benchmark = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = benchmark
+    spec.loader.exec_module(benchmark)
+    robot = load_robot("bhr_b2")
+    default = robot.card.presets["default"]
+    for row in benchmark.deviations(robot):
+        parameters = benchmark.changed(default, row.numbers)
+        assert (parameters != default) == bool(row.numbers)
+        assert f"| {row.name} |" in page("deviations.md"), row.name
+    assert benchmark.changed(default, robot.card.presets["paper"].model_dump()) == robot.card.presets["paper"]
+
+
+def test_every_assumption_is_listed() -> None:
+    for assumption in load_robot("bhr_b2").card.assumptions:
+        assert assumption.what in page("deviations.md")
