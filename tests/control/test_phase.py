@@ -21,11 +21,11 @@ def walking(held: Held, speed: tuple[float, float] = (0.0, 0.0)) -> Held:
 
 
 def until_switch(held: Held, force: float = 0.0, limit: int = 2000) -> int:
-    """Tick with a force on both soles until the legs switch; how many ticks it took."""
-    count = int(held.groups.step.count[0])
+    """Tick with a force on both soles until the legs switch or the walk ends; how many ticks it took."""
+    count, mode = int(held.groups.step.count[0]), int(held.groups.step.mode[0])
     for tick in range(1, limit):
         held.tick(force, force)
-        if held.groups.step.count[0] != count:
+        if held.groups.step.count[0] != count or held.groups.step.mode[0] != mode:
             return tick
     raise AssertionError("no switch")
 
