@@ -1,0 +1,181 @@
+"""The command ``gaitsmith``: finds the command, and turns every outcome into an exit code and what is printed.
+
+Only the chosen command's module is imported, and it imports the engine only when it runs: help stays fast.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, TextIO
+
+import gaitsmith
+from gaitsmith.errors import BadInput, GaitsmithError
+
+DONE, FELL, BAD_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 130
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command hands back.
+
+    Attributes:
+        code: the exit code.
+        document: what ``--json`` prints, None if only :attr:`show` has something to say.
+        show: prints the same for people; called without ``--json`` only.
+    """
+
+    code: int
+    document: dict[str, Any] | None
+    show: Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Command:
+    """One leaf of the command tree: where its ``run(words, program) -> Outcome`` lives."""
+
+    module: str
+    function: str
+    summary: str
+
+
+COMMANDS: dict[tuple[str, ...], Command] = {
+    ("walk",): Command("gaitsmith.cli.walk", "walk", "walk a robot through a scenario in closed loop with physics"),
+    ("robots", "list"): Command("gaitsmith.cli.robots", "list_robots", "the robots that come with the package"),
+    ("robots", "show"): Command("gaitsmith.cli.robots", "show", "a robot's joints, legs, limits and assumptions"),
+    ("robots", "check"): Command("gaitsmith.cli.robots", "check", "check a card and the model it names"),
+    ("bench", "tick"): Command("gaitsmith.cli.bench", "tick", "time of one control tick"),
+    ("bench", "push"): Command("gaitsmith.cli.bench", "push", "pushes in all directions and phases"),
+    ("bench", "battery"): Command("gaitsmith.cli.bench", "battery", "speeds, heights, slopes, boxes, noise"),
+}
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run one command line.
+
+    Args:
+        words: the command line without the program's name, ``sys.argv[1:]`` if None.
+
+    Returns:
+        0 done, 1 the robot fell, 2 bad input, 3 an error of the package itself, 130 interrupted.
+    """
+    words = list(sys.argv[1:] if words is None else words)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    wants_json = "--json" in words and not {"-h", "--help"} & set(words)
+    out = sys.stdout
+    try:
+        with contextlib.redirect_stdout(sys.stderr) if wants_json else contextlib.nullcontext():
+            outcome = _run(words)
+            if not wants_json:
+                outcome.show()
+        if wants_json:
+            _print_json(outcome.document or {}, out)
+        out.flush()
+        return outcome.code
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else DONE
+    except BrokenPipeError:
+        _discard(out)
+        return DONE
+    except KeyboardInterrupt:
+        return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
+    except BadInput as error:
+        details = {"kind": "bad input", "field": error.field, "valid": error.valid, "remedy": error.remedy}
+        return _failed(BAD_INPUT, str(error), wants_json, out, {**details, "value": _plain(error.value)})
+    except GaitsmithError as error:
+        return _failed(BAD_INPUT, str(error), wants_json, out, {"kind": type(error).__name__})
+    except Exception as error:
+        if os.environ.get("GAITSMITH_DEBUG"):
+            traceback.print_exc()
+        text = f"internal error: {type(error).__name__}: {error}; set GAITSMITH_DEBUG=1 to see where"
+        return _failed(INTERNAL, text, wants_json, out, {"kind": "internal error"})
+
+
+def _run(words: list[str]) -> Outcome:
+    """Find the command and run it."""
+    for depth in (1, 2):
+        command = COMMANDS.get(tuple(words[:depth]))
+        if command is not None:
+            run = getattr(import_module(command.module), command.function)
+            outcome: Outcome = run(words[depth:], " ".join(["gaitsmith", *words[:depth]]))
+            return outcome
+    if words[:1] == ["--version"]:
+        return Outcome(DONE, {"version": gaitsmith.__version__}, lambda: _write(f"gaitsmith {gaitsmith.__version__}\n"))
+    group = words[0] if words and any(path[0] == words[0] for path in COMMANDS) else None
+    rest = words[1:] if group else words
+    if not rest or rest[0] in ("-h", "--help"):
+        return Outcome(DONE, {"commands": [" ".join(path) for path in _members(group)]}, lambda: _write(_help(group)))
+    valid = ", ".join(path[-1] if group else path[0] for path in _first_of_each(group))
+    field = f"gaitsmith {group}: command" if group else "command"
+    raise BadInput(field, rest[0], f"one of {valid}", f"see gaitsmith {group or ''} --help")
+
+
+def _members(group: str | None) -> list[tuple[str, ...]]:
+    return [path for path in COMMANDS if group is None or path[0] == group]
+
+
+def _first_of_each(group: str | None) -> list[tuple[str, ...]]:
+    """Paths below ``group``, or one path for each first word."""
+    return list({path[1] if group else path[0]: path for path in _members(group)}.values())
+
+
+def _help(group: str | None) -> str:
+    """The list of commands."""
+    rows = "".join(f"  {' '.join(path):<16}{COMMANDS[path].summary}\n" for path in _members(group))
+    head = f"usage: gaitsmith {group or 'COMMAND'}{' COMMAND' if group else ''} [OPTIONS]\n\n"
+    tail = "\nEvery command has --help and --json. gaitsmith --version prints the version.\n"
+    codes = "Exit codes: 0 done, 1 the robot fell, 2 bad input, 130 interrupted.\n"
+    return head + rows + tail + codes
+
+
+def _failed(code: int, text: str, wants_json: bool, out: TextIO, details: dict[str, Any]) -> int:
+    """One line on stderr, and with ``--json`` the same as a document."""
+    line = "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+    with contextlib.suppress(OSError):
+        sys.stderr.write(f"gaitsmith: {line}\n")
+        sys.stderr.flush()
+    if wants_json:
+        try:
+            _print_json({"error": {**details, "message": line}}, out)
+            out.flush()
+        except BrokenPipeError:
+            _discard(out)
+    return code
+
+
+def _print_json(document: dict[str, Any], out: TextIO) -> None:
+    out.write(json.dumps(_plain(document), indent=2, allow_nan=False) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    """The same value in JSON's own types; what is not a finite number becomes null."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    return str(value)
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(text)
+
+
+def _discard(out: TextIO) -> None:
+    """The reader is gone: let the interpreter's last flush go nowhere."""
+    with contextlib.suppress(OSError, ValueError):
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, out.fileno())
+        os.close(null)

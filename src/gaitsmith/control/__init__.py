@@ -1,0 +1,1 @@
+"""From measurement to joint torques: inverse kinematics, whole-body QP, touchdown, estimation, one Controller."""

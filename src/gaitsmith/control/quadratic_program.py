@@ -1,0 +1,120 @@
+"""Dense convex quadratic programs of a few dozen variables, solved in microseconds, warm from the last solve.
+
+The active set of the last solve is tried first: if the solution that it implies is feasible and its multipliers have
+the right signs, that is the answer. Otherwise the dual active-set method of Goldfarb and Idnani (Mathematical
+Programming 27, 1983) goes on from the part of that set whose multipliers have the right signs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gaitsmith.compiled import kernel
+from gaitsmith.control._qp_dual import solve_dual
+from gaitsmith.control._qp_guess import accept_guess, prepare
+from gaitsmith.control._qp_storage import INFEASIBLE as INFEASIBLE
+from gaitsmith.control._qp_storage import ITERATION_LIMIT as ITERATION_LIMIT
+from gaitsmith.control._qp_storage import NOT_CONVEX as NOT_CONVEX
+from gaitsmith.control._qp_storage import NOT_FINITE as NOT_FINITE
+from gaitsmith.control._qp_storage import OPTIMAL as OPTIMAL
+from gaitsmith.control._qp_storage import QuadraticProgram as QuadraticProgram
+from gaitsmith.control._qp_storage import make_quadratic_program as make_quadratic_program
+
+
+@kernel
+def _clear(qp: QuadraticProgram) -> None:
+    """Zero the result and the warm start."""
+    for i in range(qp.solution.shape[0]):
+        qp.solution[i] = 0.0
+    for k in range(qp.multipliers.shape[0]):
+        qp.multipliers[k] = 0.0
+        qp.active[k] = 0
+
+
+@kernel
+def _finite(qp: QuadraticProgram) -> bool:
+    """Whether solution and multipliers hold finite numbers only."""
+    poison = 0.0
+    for i in range(qp.size[0]):
+        poison += 0.0 * qp.solution[i] + 0.0 * qp.multipliers[i]
+    base = qp.gradient.shape[0]
+    for j in range(qp.size[1]):
+        poison += 0.0 * qp.multipliers[base + j]
+    return poison == 0.0
+
+
+@kernel
+def solve(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
+    """Solve the problem in ``qp``; see :class:`QuadraticProgram` for the meaning of its fields.
+
+    Args:
+        qp: problem, warm start, and result.
+        iteration_limit: constraints that may be added or dropped; 5 (n + m) is ample.
+
+    Returns:
+        Status and iterations. OPTIMAL: ``solution``, ``multipliers``, ``active`` are the answer; 0 iterations means
+        that the stored active set was right. INFEASIBLE: no x satisfies the limits. ITERATION_LIMIT: the limit was
+        reached, or rounding hid the answer. NOT_CONVEX: H is not positive definite. NOT_FINITE: a NaN, an infinite
+        H, g, or A, or a limit that is infinite on the wrong side. Unless OPTIMAL, solution, multipliers, and active
+        set are zeroed, so the next solve starts cold.
+    """
+    status = prepare(qp)
+    if status != OPTIMAL:
+        _clear(qp)
+        return status, 0
+    if accept_guess(qp):
+        return OPTIMAL, 0
+    status, iterations = solve_dual(qp, iteration_limit)
+    if status == OPTIMAL:
+        # The reduced system of the final set is better conditioned than the path that led to it.
+        for i in range(qp.size[0]):
+            qp.vectors[10, i] = qp.solution[i]
+        for k in range(qp.multipliers.shape[0]):
+            qp.vectors[11, k] = qp.multipliers[k]
+        if not accept_guess(qp):
+            for i in range(qp.size[0]):
+                qp.solution[i] = qp.vectors[10, i]
+            for k in range(qp.multipliers.shape[0]):
+                qp.multipliers[k] = qp.vectors[11, k]
+            if not _finite(qp):
+                status = ITERATION_LIMIT
+    if status != OPTIMAL:
+        _clear(qp)
+    return status, iterations
+
+
+@kernel
+def residual(qp: QuadraticProgram) -> float:
+    """Largest violation of the optimality conditions by ``solution`` and ``multipliers``, relative.
+
+    Variable i is measured in 1/√H_ii and constraint k by the norm of its normal in those units; the result is
+    divided by the largest scaled entry of solution and gradient, so 1e-10 means ten correct digits. Covers limits,
+    stationarity, and sign and complementarity of the multipliers.
+    """
+    n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
+    metric = qp.vectors[0]
+    if prepare(qp) != OPTIMAL:
+        return np.inf
+    unit = 1e-300
+    worst = 0.0
+    for i in range(n):
+        unit = max(unit, abs(qp.gradient[i]) / metric[i], abs(qp.solution[i]) * metric[i])
+    for i in range(n):
+        slope = qp.gradient[i] - qp.multipliers[i]
+        for k in range(n):
+            slope += qp.hessian[i, k] * qp.solution[k]
+        for j in range(m):
+            slope -= qp.rows[j, i] * qp.multipliers[base + j]
+        worst = max(worst, abs(slope) / metric[i])
+    for i in range(n + m):
+        if i < n:
+            k, value, low, high = i, qp.solution[i], qp.lower[i], qp.upper[i]
+        else:
+            k, low, high = base + i - n, qp.row_lower[i - n], qp.row_upper[i - n]
+            value = 0.0
+            for p in range(n):
+                value += qp.rows[i - n, p] * qp.solution[p]
+        force = qp.multipliers[k] / metric[k]
+        below, above = (value - low) * metric[k], (high - value) * metric[k]
+        worst = max(worst, -below, -above, min(max(force, 0.0), abs(below)), min(max(-force, 0.0), abs(above)))
+    return worst / unit

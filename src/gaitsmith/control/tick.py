@@ -1,0 +1,337 @@
+"""The control tick: one compiled kernel from measurement to joint torques, without allocation."""
+
+from __future__ import annotations
+
+import gaitsmith.control.layout as layout
+from gaitsmith.compiled import bind, kernel
+from gaitsmith.control.frames import Frames, Legs, observe_frames
+from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics, leg_step
+from gaitsmith.control.joint_torque import JointFeedback, bounded_torque
+from gaitsmith.control.measurement import Measurement
+from gaitsmith.control.phase import advance_phase
+from gaitsmith.control.quadratic_program import QuadraticProgram
+from gaitsmith.control.references import (
+    heading_to_torso,
+    set_ankle_targets,
+    set_joint_targets,
+    set_standing_targets,
+    set_swing_targets,
+    sole_target_rotation,
+    swing_pitch,
+)
+from gaitsmith.control.state import ControlState, TickGains
+from gaitsmith.control.telemetry import Telemetry
+from gaitsmith.control.touchdown import TouchdownRule
+from gaitsmith.control.whole_body import Targets, TaskGains, WholeBody, solve_whole_body
+from gaitsmith.dynamics.algorithms import update
+from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.template.foothold import FootholdGains, foothold_target, observe_motion
+from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK, Gait, StepState
+from gaitsmith.template.trajectory import support_height, swing_foot
+
+_DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
+
+
+@kernel
+def _take_state(measurement: Measurement, control: ControlState) -> bool:
+    """Copy the true state; False if anything in it is not finite."""
+    poison = 0.0
+    for i in range(3):
+        control.q[i] = measurement.base_position[i]
+        poison += 0.0 * control.q[i]
+    for i in range(4):
+        control.q[3 + i] = measurement.base_quaternion[i]
+        poison += 0.0 * control.q[3 + i]
+    for i in range(6):
+        control.v[i] = measurement.base_velocity[i]
+        poison += 0.0 * control.v[i]
+    for j in range(measurement.joint_position.shape[0]):
+        control.q[7 + j] = measurement.joint_position[j]
+        control.v[6 + j] = measurement.joint_velocity[j]
+        poison += 0.0 * control.q[7 + j] + 0.0 * control.v[6 + j]
+    for leg in range(2):
+        poison += 0.0 * measurement.sole_force[leg]
+    return poison == 0.0
+
+
+@kernel
+def _run_template(table: int) -> None:
+    """Desired sole states of this tick; the foothold follows the CoM."""
+    tree_state = bind(TreeState, table, layout.TREE_STATE)
+    frames = bind(Frames, table, layout.FRAMES)
+    latched = bind(Gait, table, layout.LATCHED)
+    step = bind(StepState, table, layout.STEP)
+    foothold = bind(FootholdGains, table, layout.FOOTHOLD)
+    touchdown = bind(TouchdownRule, table, layout.TOUCHDOWN)
+    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
+    control = bind(ControlState, table, layout.CONTROL)
+    stance = step.stance[0]
+    swing = RIGHT if stance == LEFT else LEFT
+    support_height(step, latched, control.support_curve)
+    support = control.foot_desired[3 * stance : 3 * stance + 3]
+    for axis in range(2):
+        support[0, axis] = frames.relative[stance, 0, axis]
+        support[1, axis] = frames.relative[stance, 1, axis]
+        support[2, axis] = 0.0
+    for order in range(3):
+        support[order, 2] = control.support_curve[order]
+    acceleration = control.target[2]
+    for i in range(3):
+        acceleration[i] = 0.0
+    if foothold.acceleration_gain > 0.0:
+        for i in range(2):
+            value = tree_state.com_bias[i]
+            for k in range(control.v.shape[0]):
+                value += tree_state.com_jacobian[i, k] * whole_body.acceleration[k]
+            acceleration[i] = value
+        forward = frames.heading[1] * acceleration[0] + frames.heading[2] * acceleration[1]
+        acceleration[1] = frames.heading[1] * acceleration[1] - frames.heading[2] * acceleration[0]
+        acceleration[0] = forward
+    observe_motion(step, frames.com_velocity, tree_state.com)
+    foothold_target(
+        step,
+        latched,
+        foothold,
+        frames.com_velocity,
+        acceleration,
+        tree_state.com,
+        frames.heading[1],
+        frames.heading[2],
+        frames.relative[stance, 0, 1],
+        control.foothold,
+    )
+    swing_foot(
+        step,
+        latched,
+        control.foothold,
+        -latched.height[0],
+        touchdown.descent_speed,
+        control.support_curve,
+        control.foot_desired[3 * swing : 3 * swing + 3],
+    )
+
+
+@kernel
+def _restart_leg(table: int, leg: int) -> None:
+    """Restart a leg's inverse kinematics from its measured joints (section 2.2, second rule)."""
+    legs = bind(Legs, table, layout.LEGS)
+    control = bind(ControlState, table, layout.CONTROL)
+    for i in range(legs.joints.shape[1]):
+        joint = legs.joints[leg, i]
+        control.leg_reference[leg, i] = control.q[7 + joint]
+        control.leg_rate[leg, i] = control.v[6 + joint]
+
+
+@kernel
+def _track_leg(table: int, leg: int) -> None:
+    """One inverse-kinematics step of one leg towards its desired sole."""
+    tree_state = bind(TreeState, table, layout.TREE_STATE)
+    legs = bind(Legs, table, layout.LEGS)
+    frames = bind(Frames, table, layout.FRAMES)
+    latched = bind(Gait, table, layout.LATCHED)
+    step = bind(StepState, table, layout.STEP)
+    gains = bind(TickGains, table, layout.GAINS)
+    left_chain = bind(LegKinematics, table, layout.LEFT_CHAIN)
+    right_chain = bind(LegKinematics, table, layout.RIGHT_CHAIN)
+    left_inverse = bind(InverseKinematics, table, layout.LEFT_INVERSE)
+    right_inverse = bind(InverseKinematics, table, layout.RIGHT_INVERSE)
+    left_program = bind(QuadraticProgram, table, layout.LEFT_PROGRAM)
+    right_program = bind(QuadraticProgram, table, layout.RIGHT_PROGRAM)
+    control = bind(ControlState, table, layout.CONTROL)
+    desired = control.foot_desired[3 * leg : 3 * leg + 3]
+    heading_to_torso(tree_state, legs, frames, desired[0], True, control.target[0])
+    heading_to_torso(tree_state, legs, frames, desired[1], False, control.target[1])
+    measured = leg == step.stance[0]
+    pitch = swing_pitch(step, latched)
+    sole_target_rotation(tree_state, legs, frames, leg, pitch, measured, control.target_rotation)
+    if leg == LEFT:
+        chain, scratch, program = left_chain, left_inverse, left_program
+    else:
+        chain, scratch, program = right_chain, right_inverse, right_program
+    status = leg_step(
+        chain,
+        scratch,
+        program,
+        gains.inverse_gain,
+        gains.inverse_step_weight,
+        gains.inverse_change_weight,
+        gains.inverse_pitch_weight,
+        control.leg_reference[leg],
+        control.leg_rate[leg],
+        control.target[0],
+        control.target[1],
+        control.target_rotation,
+        gains.dt,
+    )
+    if status != 0:
+        control.counts[1] += 1
+    for i in range(legs.joints.shape[1]):
+        joint = legs.joints[leg, i]
+        control.joint_reference[joint] = control.leg_reference[leg, i]
+        control.joint_rate[joint] = control.leg_rate[leg, i]
+
+
+@kernel
+def _set_torque(table: int, solved: bool) -> None:
+    """Eq. 27 with the stance or swing gains of each leg; without a solution the last torque decays."""
+    legs = bind(Legs, table, layout.LEGS)
+    step = bind(StepState, table, layout.STEP)
+    targets = bind(Targets, table, layout.TARGETS)
+    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
+    feedback = bind(JointFeedback, table, layout.FEEDBACK)
+    control = bind(ControlState, table, layout.CONTROL)
+    walking = step.mode[0] == WALK
+    for j in range(control.torque.shape[0]):
+        limit = targets.torque_limit[j]
+        if solved:
+            control.torque[j] = bounded_torque(whole_body.torque[j], 0.0, limit)
+        else:
+            control.torque[j] = bounded_torque(_DECAY * control.torque[j], 0.0, limit)
+    if not (walking and solved):
+        return
+    for leg in range(2):
+        row = 1 if leg == step.stance[0] else 0
+        for i in range(legs.joints.shape[1]):
+            joint = legs.joints[leg, i]
+            feedback = feedback.stiffness[row, i] * (
+                control.joint_reference[joint] - control.q[7 + joint]
+            ) + feedback.damping[row, i] * (control.joint_rate[joint] - control.v[6 + joint])
+            control.torque[joint] = bounded_torque(
+                whole_body.torque[joint], feedback, targets.torque_limit[joint]
+            )
+
+
+@kernel
+def _report(table: int) -> None:
+    """Fill the telemetry of this tick."""
+    frames = bind(Frames, table, layout.FRAMES)
+    latched = bind(Gait, table, layout.LATCHED)
+    step = bind(StepState, table, layout.STEP)
+    foothold = bind(FootholdGains, table, layout.FOOTHOLD)
+    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
+    measurement = bind(Measurement, table, layout.MEASUREMENT)
+    control = bind(ControlState, table, layout.CONTROL)
+    telemetry = bind(Telemetry, table, layout.TELEMETRY)
+    out, control, step, frames = telemetry, control, step, frames
+    stance = step.stance[0]
+    out.time[0] = control.time[0]
+    out.mode[0] = step.mode[0]
+    out.stance[0] = 2.0 if step.mode[0] == STAND else float(stance)
+    out.step_time[0] = step.time[0]
+    out.step_count[0] = step.count[0]
+    out.step_duration[0] = step.last_duration[0]
+    out.command[0] = latched.speed[0]
+    out.command[1] = latched.speed[1]
+    out.command[2] = latched.period[0]
+    out.command[3] = latched.alpha[0]
+    out.command[4] = latched.height[0]
+    out.command[5] = latched.lift[0]
+    out.command[6] = latched.width[0]
+    for i in range(3):
+        out.com_velocity[i] = frames.com_velocity[i]
+    for i in range(4):
+        out.tilt[i] = frames.tilt[i]
+    out.yaw[0] = frames.heading[0]
+    out.hip_height[0] = -frames.relative[stance, 0, 2]
+    for axis in range(2):
+        out.foothold[axis] = control.foothold[axis]
+        out.integral[axis] = step.integral[axis]
+    bound = abs(control.foothold[0]) >= foothold.reach or abs(control.foothold[1]) >= foothold.spread
+    out.foothold_bound[0] = 1.0 if bound and step.mode[0] == WALK else 0.0
+    for j in range(control.torque.shape[0]):
+        out.joint_desired[j] = control.joint_reference[j]
+        out.joint_position[j] = control.q[7 + j]
+        out.joint_velocity[j] = control.v[6 + j]
+        out.torque_feedforward[j] = whole_body.torque[j]
+        out.torque[j] = control.torque[j]
+    for leg in range(2):
+        for i in range(3):
+            out.foot_desired[3 * leg + i] = control.foot_desired[3 * leg, i]
+            out.foot_actual[3 * leg + i] = frames.relative[leg, 0, i]
+        _report_wrench(table, leg)
+        out.sole_force[leg] = measurement.sole_force[leg]
+    out.qp_status[0] = whole_body.status[0]
+    out.qp_iterations[0] = whole_body.status[1]
+    out.qp_solves[0] = whole_body.counts[0]
+    out.qp_fallbacks[0] = whole_body.counts[1]
+    out.qp_infeasible[0] = whole_body.counts[2]
+    out.ik_fallbacks[0] = control.counts[1]
+    out.touchdowns_forced[0] = control.counts[2]
+
+
+@kernel
+def _report_wrench(table: int, leg: int) -> None:
+    """Planned wrench and ZMP of one sole."""
+    frames = bind(Frames, table, layout.FRAMES)
+    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
+    telemetry = bind(Telemetry, table, layout.TELEMETRY)
+    wrench = whole_body.wrench[leg]
+    axes = frames.contact_rotation[leg]
+    normal = moment_x = moment_y = 0.0
+    for i in range(3):
+        normal += axes[i, 2] * wrench[i]
+        moment_x += axes[i, 0] * wrench[3 + i]
+        moment_y += axes[i, 1] * wrench[3 + i]
+        telemetry.wrench[6 * leg + i] = wrench[i]
+        telemetry.wrench[6 * leg + 3 + i] = wrench[3 + i]
+    loaded = normal > 1e-6
+    telemetry.zmp[2 * leg] = -moment_y / normal if loaded else 0.0
+    telemetry.zmp[2 * leg + 1] = moment_x / normal if loaded else 0.0
+
+
+@kernel
+def tick(table: int) -> None:
+    """Advance the controller by one period; ``table`` is the address of its arena's table."""
+    tree = bind(Tree, table, layout.TREE)
+    tree_state = bind(TreeState, table, layout.TREE_STATE)
+    legs = bind(Legs, table, layout.LEGS)
+    frames = bind(Frames, table, layout.FRAMES)
+    requested = bind(Gait, table, layout.REQUESTED)
+    latched = bind(Gait, table, layout.LATCHED)
+    step = bind(StepState, table, layout.STEP)
+    foothold = bind(FootholdGains, table, layout.FOOTHOLD)
+    touchdown = bind(TouchdownRule, table, layout.TOUCHDOWN)
+    gains = bind(TickGains, table, layout.GAINS)
+    task_gains = bind(TaskGains, table, layout.TASK_GAINS)
+    targets = bind(Targets, table, layout.TARGETS)
+    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
+    program = bind(QuadraticProgram, table, layout.PROGRAM)
+    measurement = bind(Measurement, table, layout.MEASUREMENT)
+    control = bind(ControlState, table, layout.CONTROL)
+    telemetry = bind(Telemetry, table, layout.TELEMETRY)
+    control.time[0] += gains.dt
+    if not _take_state(measurement, control):
+        control.counts[0] += 1
+        _set_torque(table, False)
+        telemetry.time[0] = control.time[0]
+        for j in range(control.torque.shape[0]):
+            telemetry.torque[j] = control.torque[j]
+        return
+    update(tree, tree_state, control.q, control.v)
+    observe_frames(tree, tree_state, legs, control.v, frames)
+    switched = advance_phase(
+        step, requested, latched, foothold, touchdown, gains, frames, control, measurement
+    )
+    if step.mode[0] == WALK:
+        stance = step.stance[0]
+        swing = RIGHT if stance == LEFT else LEFT
+        if switched:
+            _restart_leg(table, swing)
+            if step.count[0] == 1:
+                _restart_leg(table, stance)
+        _run_template(table)
+        _track_leg(table, LEFT)
+        _track_leg(table, RIGHT)
+        set_swing_targets(step, gains, frames, control, targets)
+        targets.in_contact[stance] = 1
+        targets.in_contact[swing] = 0
+    else:
+        for leg in range(2):
+            targets.in_contact[leg] = 1
+            _restart_leg(table, leg)
+        set_standing_targets(tree_state, gains, frames, control, targets)
+    set_joint_targets(legs, step, gains, control, targets)
+    set_ankle_targets(step, latched, legs, gains, frames, targets)
+    solved = solve_whole_body(program, tree_state, legs, targets, frames, task_gains, whole_body)
+    _set_torque(table, solved)
+    _report(table)

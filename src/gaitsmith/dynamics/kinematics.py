@@ -1,0 +1,183 @@
+"""Where the bodies are and how they move: poses, motion subspaces, velocities, velocity-product accelerations."""
+
+from __future__ import annotations
+
+import math
+
+from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.dynamics.tree import BALL, FREE, HINGE, SLIDE, Tree, TreeState
+
+
+@kernel
+def rotation_entries(w: float, x: float, y: float, z: float) -> tuple[float, ...]:
+    """The nine entries, row by row, of a quaternion's rotation matrix; any length, zero counts as no rotation."""
+    norm = w * w + x * x + y * y + z * z
+    s = 2.0 / norm if norm > 1e-300 else 0.0
+    return (
+        1.0 - s * (y * y + z * z),
+        s * (x * y - w * z),
+        s * (x * z + w * y),
+        s * (x * y + w * z),
+        1.0 - s * (x * x + z * z),
+        s * (y * z - w * x),
+        s * (x * z - w * y),
+        s * (y * z + w * x),
+        1.0 - s * (x * x + y * y),
+    )
+
+
+@kernel
+def product_entries(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+    """Entries, row by row, of the product of two 3 x 3 matrices given in the same way."""
+    return (
+        a[0] * b[0] + a[1] * b[3] + a[2] * b[6],
+        a[0] * b[1] + a[1] * b[4] + a[2] * b[7],
+        a[0] * b[2] + a[1] * b[5] + a[2] * b[8],
+        a[3] * b[0] + a[4] * b[3] + a[5] * b[6],
+        a[3] * b[1] + a[4] * b[4] + a[5] * b[7],
+        a[3] * b[2] + a[4] * b[5] + a[5] * b[8],
+        a[6] * b[0] + a[7] * b[3] + a[8] * b[6],
+        a[6] * b[1] + a[7] * b[4] + a[8] * b[7],
+        a[6] * b[2] + a[7] * b[5] + a[8] * b[8],
+    )
+
+
+@kernel
+def _about_axis(x: float, y: float, z: float, angle: float) -> tuple[float, ...]:
+    """Rotation by ``angle`` about a unit axis (Rodrigues' formula)."""
+    s, c = math.sin(angle), math.cos(angle)
+    k = 1.0 - c
+    return (
+        c + k * x * x,
+        k * x * y - s * z,
+        k * x * z + s * y,
+        k * x * y + s * z,
+        c + k * y * y,
+        k * y * z - s * x,
+        k * x * z - s * y,
+        k * y * z + s * x,
+        c + k * z * z,
+    )
+
+
+@kernel
+def _set_turning(motion: Matrix, dof: int, x: float, y: float, z: float, px: float, py: float, pz: float) -> None:
+    """Motion subspace of a rotation about the axis (x, y, z) through p, which is relative to the reference."""
+    motion[dof, 0] = x
+    motion[dof, 1] = y
+    motion[dof, 2] = z
+    motion[dof, 3] = py * z - pz * y
+    motion[dof, 4] = pz * x - px * z
+    motion[dof, 5] = px * y - py * x
+
+
+@kernel
+def _set_sliding(motion: Matrix, dof: int, x: float, y: float, z: float) -> None:
+    """Motion subspace of a translation along (x, y, z)."""
+    motion[dof, 0] = motion[dof, 1] = motion[dof, 2] = 0.0
+    motion[dof, 3] = x
+    motion[dof, 4] = y
+    motion[dof, 5] = z
+
+
+@kernel
+def place(tree: Tree, state: TreeState, q: Vector) -> None:
+    """Fill ``body_rotation``, ``body_position``, ``reference`` and ``motion`` from the configuration q."""
+    rotation, position, motion = state.body_rotation, state.body_position, state.motion
+    first_is_free = tree.joint_kind[0] == FREE
+    rx = q[0] if first_is_free else tree.body_offset[1, 0]
+    ry = q[1] if first_is_free else tree.body_offset[1, 1]
+    rz = q[2] if first_is_free else tree.body_offset[1, 2]
+    state.reference[0], state.reference[1], state.reference[2] = rx, ry, rz
+    for body in range(1, len(tree.body_parent)):
+        up = tree.body_parent[body]
+        p = rotation[up]
+        o = tree.body_offset[body]
+        t = tree.body_turn[body]
+        px = position[up, 0] + p[0, 0] * o[0] + p[0, 1] * o[1] + p[0, 2] * o[2]
+        py = position[up, 1] + p[1, 0] * o[0] + p[1, 1] * o[1] + p[1, 2] * o[2]
+        pz = position[up, 2] + p[2, 0] * o[0] + p[2, 1] * o[1] + p[2, 2] * o[2]
+        r = product_entries(
+            (p[0, 0], p[0, 1], p[0, 2], p[1, 0], p[1, 1], p[1, 2], p[2, 0], p[2, 1], p[2, 2]),
+            (t[0, 0], t[0, 1], t[0, 2], t[1, 0], t[1, 1], t[1, 2], t[2, 0], t[2, 1], t[2, 2]),
+        )
+        first = tree.body_joint[body]
+        for joint in range(first, first + tree.body_joint_count[body]):
+            kind, i, dof = tree.joint_kind[joint], tree.joint_q[joint], tree.joint_v[joint]
+            if kind == FREE:
+                px, py, pz = q[i], q[i + 1], q[i + 2]
+                r = rotation_entries(q[i + 3], q[i + 4], q[i + 5], q[i + 6])
+                _set_sliding(motion, dof, 1.0, 0.0, 0.0)
+                _set_sliding(motion, dof + 1, 0.0, 1.0, 0.0)
+                _set_sliding(motion, dof + 2, 0.0, 0.0, 1.0)
+                _set_turning(motion, dof + 3, r[0], r[3], r[6], px - rx, py - ry, pz - rz)
+                _set_turning(motion, dof + 4, r[1], r[4], r[7], px - rx, py - ry, pz - rz)
+                _set_turning(motion, dof + 5, r[2], r[5], r[8], px - rx, py - ry, pz - rz)
+                continue
+            x, y, z = tree.joint_axis[joint, 0], tree.joint_axis[joint, 1], tree.joint_axis[joint, 2]
+            wx = r[0] * x + r[1] * y + r[2] * z
+            wy = r[3] * x + r[4] * y + r[5] * z
+            wz = r[6] * x + r[7] * y + r[8] * z
+            if kind == SLIDE:
+                travel = q[i] - tree.joint_zero[joint]
+                px, py, pz = px + wx * travel, py + wy * travel, pz + wz * travel
+                _set_sliding(motion, dof, wx, wy, wz)
+                continue
+            ax, ay, az = tree.joint_anchor[joint, 0], tree.joint_anchor[joint, 1], tree.joint_anchor[joint, 2]
+            cx = px + r[0] * ax + r[1] * ay + r[2] * az
+            cy = py + r[3] * ax + r[4] * ay + r[5] * az
+            cz = pz + r[6] * ax + r[7] * ay + r[8] * az
+            if kind == HINGE:
+                _set_turning(motion, dof, wx, wy, wz, cx - rx, cy - ry, cz - rz)
+                r = product_entries(r, _about_axis(x, y, z, q[i] - tree.joint_zero[joint]))
+            else:
+                r = product_entries(r, rotation_entries(q[i], q[i + 1], q[i + 2], q[i + 3]))
+                _set_turning(motion, dof, r[0], r[3], r[6], cx - rx, cy - ry, cz - rz)
+                _set_turning(motion, dof + 1, r[1], r[4], r[7], cx - rx, cy - ry, cz - rz)
+                _set_turning(motion, dof + 2, r[2], r[5], r[8], cx - rx, cy - ry, cz - rz)
+            px = cx - (r[0] * ax + r[1] * ay + r[2] * az)
+            py = cy - (r[3] * ax + r[4] * ay + r[5] * az)
+            pz = cz - (r[6] * ax + r[7] * ay + r[8] * az)
+        b = rotation[body]
+        b[0, 0], b[0, 1], b[0, 2] = r[0], r[1], r[2]
+        b[1, 0], b[1, 1], b[1, 2] = r[3], r[4], r[5]
+        b[2, 0], b[2, 1], b[2, 2] = r[6], r[7], r[8]
+        position[body, 0], position[body, 1], position[body, 2] = px, py, pz
+
+
+@kernel
+def move(tree: Tree, state: TreeState, v: Vector) -> None:
+    """Fill ``velocity`` and ``acceleration`` (v constant) of all bodies; :func:`place` comes first."""
+    velocity, acceleration, s = state.velocity, state.acceleration, state.motion
+    for body in range(1, len(tree.body_parent)):
+        up = tree.body_parent[body]
+        w0, w1, w2 = velocity[up, 0], velocity[up, 1], velocity[up, 2]
+        u0, u1, u2 = velocity[up, 3], velocity[up, 4], velocity[up, 5]
+        a0, a1, a2 = acceleration[up, 0], acceleration[up, 1], acceleration[up, 2]
+        b0, b1, b2 = acceleration[up, 3], acceleration[up, 4], acceleration[up, 5]
+        first = tree.body_joint[body]
+        for joint in range(first, first + tree.body_joint_count[body]):
+            kind, dof = tree.joint_kind[joint], tree.joint_v[joint]
+            last = dof + 1
+            if kind == FREE:
+                u0, u1, u2 = u0 + v[dof], u1 + v[dof + 1], u2 + v[dof + 2]
+                dof += 3
+            if kind in (FREE, BALL):
+                last = dof + 3
+            m0 = m1 = m2 = n0 = n1 = n2 = 0.0
+            for i in range(dof, last):
+                m0, m1, m2 = m0 + s[i, 0] * v[i], m1 + s[i, 1] * v[i], m2 + s[i, 2] * v[i]
+                n0, n1, n2 = n0 + s[i, 3] * v[i], n1 + s[i, 4] * v[i], n2 + s[i, 5] * v[i]
+            # A free joint's world translation is fixed; every other axis is carried along by what lies before it.
+            a0 += w1 * m2 - w2 * m1
+            a1 += w2 * m0 - w0 * m2
+            a2 += w0 * m1 - w1 * m0
+            b0 += w1 * n2 - w2 * n1 + u1 * m2 - u2 * m1
+            b1 += w2 * n0 - w0 * n2 + u2 * m0 - u0 * m2
+            b2 += w0 * n1 - w1 * n0 + u0 * m1 - u1 * m0
+            w0, w1, w2 = w0 + m0, w1 + m1, w2 + m2
+            u0, u1, u2 = u0 + n0, u1 + n1, u2 + n2
+        velocity[body, 0], velocity[body, 1], velocity[body, 2] = w0, w1, w2
+        velocity[body, 3], velocity[body, 4], velocity[body, 5] = u0, u1, u2
+        acceleration[body, 0], acceleration[body, 1], acceleration[body, 2] = a0, a1, a2
+        acceleration[body, 3], acceleration[body, 4], acceleration[body, 5] = b0, b1, b2

@@ -1,0 +1,102 @@
+"""Reading with a bound, writing whole or not at all, and folders that must be new."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import stat
+from pathlib import Path
+
+from gaitsmith.errors import BadInput
+
+
+def read_bounded(path: str | Path, limit: int) -> bytes:
+    """Content of a regular file of at most `limit` bytes.
+
+    Raises:
+        BadInput: the file is missing, unreadable, not a regular file (a pipe is never waited for), or too large.
+    """
+    shown = str(path)
+    try:
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    except (OSError, ValueError) as error:
+        raise BadInput(shown, _reason(error), "a readable file") from None
+    with os.fdopen(handle, "rb") as file:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            raise BadInput(shown, "something else", "a regular file")
+        try:
+            content = file.read(limit + 1)
+        except OSError as error:
+            raise BadInput(shown, _reason(error), "a readable file") from None
+    if len(content) > limit:
+        raise BadInput(shown, f"more than {limit} bytes", f"at most {limit} bytes")
+    return content
+
+
+def write_bytes_atomic(path: str | Path, content: bytes) -> None:
+    """Write a file whole: a reader sees the old content or the new, also after a crash.
+
+    Raises:
+        BadInput: the folder is missing or cannot be written.
+    """
+    target = Path(path)
+    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}.part")
+    try:
+        handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, target)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+            raise
+        _sync_folder(target.parent)
+    except (OSError, ValueError) as error:
+        raise BadInput(str(path), _reason(error), "a file in a folder that can be written") from None
+
+
+def write_text_atomic(path: str | Path, text: str) -> None:
+    """As :func:`write_bytes_atomic`, for text in UTF-8."""
+    write_bytes_atomic(path, text.encode("utf-8"))
+
+
+def new_folder(path: str | Path, field: str = "--out") -> Path:
+    """Create a folder, its parents included, and return its absolute path.
+
+    Args:
+        path: the folder; nothing may exist there.
+        field: what an error calls it.
+
+    Raises:
+        BadInput: something exists there, or the folder cannot be created or written.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        raise BadInput(field, str(path), "a folder that does not exist yet", "choose another name") from None
+    except (OSError, ValueError) as error:
+        raise BadInput(field, str(path), "a folder that can be created", _reason(error)) from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise BadInput(field, str(path), "a folder that can be written", "choose another place")
+    return folder.resolve()
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make a rename durable where folders can be opened."""
+    with contextlib.suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _reason(error: OSError | ValueError) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror.lower()
+    return str(error)

@@ -1,0 +1,184 @@
+"""The robot card: what the control needs to know about a robot and its model file does not say."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots.parameters import (
+    ControlParameters,
+    Finite,
+    GaitLimits,
+    GaitParameters,
+    JointGains,
+    NonNegative,
+    Parameters,
+    Positive,
+)
+
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
+Triple = tuple[Finite, Finite, Finite]
+
+
+class Sole(Parameters):
+    """Shape of a sole about the sole frame (on the sole below the ankle, x forward, z up); m, all positive.
+
+    Attributes:
+        kind: a line from `-heel` to `toe` along x, or a rectangle that adds `±half_width` along y.
+        heel: distance from the frame back to the heel.
+        toe: distance from the frame forward to the toe.
+        half_width: half the width; 0 for a line.
+    """
+
+    kind: Literal["line", "rectangle"]
+    heel: Positive
+    toe: Positive
+    half_width: NonNegative = 0.0
+
+
+class LegCard(Parameters):
+    """One leg: its joints from hip to ankle, and its sole frame.
+
+    The sole frame is a site of the model (`sole_site`), or is placed on a body: `sole_body`, `sole_position` (m) and
+    `sole_rpy` (rad, roll about x, then pitch about y, then yaw about z, all fixed axes of the body).
+    """
+
+    name: Literal["left", "right"]
+    joints: Annotated[tuple[Name, ...], Field(min_length=3, max_length=12)]
+    knee: Name
+    ankle_pitch: Name
+    ankle_roll: Name | None = None
+    sole: Sole
+    sole_site: Name | None = None
+    sole_body: Name | None = None
+    sole_position: Triple | None = None
+    sole_rpy: Triple = (0.0, 0.0, 0.0)
+
+
+class JointLimits(Parameters):
+    """Limits of one joint: position (rad or m), velocity and torque, the last two in both directions."""
+
+    position: tuple[Finite, Finite]
+    velocity: Positive
+    torque: Positive
+
+
+class Assumption(Parameters):
+    """A number that the source does not give: what it is, its value, and why this value."""
+
+    what: str
+    value: str
+    why: str
+
+
+class RobotCard(Parameters):
+    """A robot's card; frozen, and consistent in itself once it is built.
+
+    Attributes:
+        schema_version: 1.
+        model: MJCF or URDF file, relative to the card's folder.
+        torso: body that carries the free joint.
+        mass: total mass, kg; checked against the model.
+        legs: left and right, in any order.
+        imu_site: site on the torso; the torso frame if absent.
+        limits: of every joint of the model besides the free one.
+        gait: default inputs of the gait template.
+        gait_limits: valid ranges of these inputs.
+        presets: control parameters by name; `default` must be there.
+
+    Raises:
+        BadInput: entries contradict each other.
+    """
+
+    schema_version: Literal[1]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]{1,64}$")]
+    description: str = ""
+    model: Annotated[str, Field(min_length=1, max_length=500)]
+    torso: Name
+    mass: Positive
+    legs: tuple[LegCard, LegCard]
+    imu_site: Name | None = None
+    limits: dict[Name, JointLimits]
+    gait: GaitParameters
+    gait_limits: GaitLimits
+    presets: dict[Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")], ControlParameters]
+    assumptions: tuple[Assumption, ...] = ()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> RobotCard:
+        names = [leg.name for leg in self.legs]
+        if sorted(names) != ["left", "right"]:
+            raise BadInput("legs", names, "one leg named left and one named right")
+        for index, leg in enumerate(self.legs):
+            _check_leg(leg, f"legs[{index}]")
+        first, second = self.legs
+        if shared := sorted(set(first.joints) & set(second.joints)):
+            raise BadInput("legs[1].joints", shared, "joints that the other leg does not have")
+        if len(first.joints) != len(second.joints):
+            raise BadInput("legs[1].joints", list(second.joints), f"{len(first.joints)} joints, as in legs[0]")
+        for joint, limits in self.limits.items():
+            _check_range(limits.position, f"limits.{joint}.position")
+        _check_gait(self.gait, self.gait_limits)
+        if "default" not in self.presets:
+            raise BadInput("presets", sorted(self.presets), "a preset named default")
+        for preset, parameters in self.presets.items():
+            _check_preset(parameters, len(first.joints), f"presets.{preset}")
+        return self
+
+
+def _check_leg(leg: LegCard, field: str) -> None:
+    if len(set(leg.joints)) != len(leg.joints):
+        raise BadInput(f"{field}.joints", list(leg.joints), "every joint once")
+    for role in ("knee", "ankle_pitch", "ankle_roll"):
+        joint = getattr(leg, role)
+        if joint is not None and joint not in leg.joints:
+            raise BadInput(f"{field}.{role}", joint, f"one of {', '.join(leg.joints)}")
+    if leg.knee == leg.joints[0]:
+        raise BadInput(f"{field}.knee", leg.knee, "a joint after the first, which is the hip's")
+    if leg.joints.index(leg.ankle_pitch) <= leg.joints.index(leg.knee):
+        raise BadInput(f"{field}.ankle_pitch", leg.ankle_pitch, "a joint after the knee", "list joints hip to ankle")
+    if leg.ankle_roll is not None and leg.joints.index(leg.ankle_roll) <= leg.joints.index(leg.knee):
+        raise BadInput(f"{field}.ankle_roll", leg.ankle_roll, "a joint after the knee", "list joints hip to ankle")
+    if leg.ankle_roll == leg.ankle_pitch:
+        raise BadInput(f"{field}.ankle_roll", leg.ankle_roll, "a joint other than ankle_pitch")
+    if (leg.sole.kind == "line") != (leg.sole.half_width == 0.0):
+        valid = "0 for a line" if leg.sole.kind == "line" else "greater than 0 for a rectangle"
+        raise BadInput(f"{field}.sole.half_width", leg.sole.half_width, valid)
+    placed = leg.sole_body is not None or leg.sole_position is not None
+    if (leg.sole_site is None) == (not placed):
+        raise BadInput(f"{field}.sole_site", leg.sole_site, "either sole_site, or sole_body with sole_position")
+    if placed and (leg.sole_body is None or leg.sole_position is None):
+        missing = "sole_body" if leg.sole_body is None else "sole_position"
+        raise BadInput(f"{field}.{missing}", None, "sole_body and sole_position together")
+
+
+def _check_range(pair: tuple[float, float], field: str) -> None:
+    if not pair[0] < pair[1]:
+        raise BadInput(field, list(pair), "lowest < highest")
+
+
+def _check_gait(gait: GaitParameters, limits: GaitLimits) -> None:
+    for name in type(limits).model_fields:
+        _check_range(getattr(limits, name), f"gait_limits.{name}")
+    values = gait.model_dump() | {"speed_x": gait.speed[0], "speed_y": gait.speed[1]}
+    for name in type(limits).model_fields:
+        low, high = getattr(limits, name)
+        if not low <= values[name] <= high:
+            field = {"speed_x": "speed[0]", "speed_y": "speed[1]"}.get(name, name)
+            raise BadInput(f"gait.{field}", values[name], f"{low} to {high}, as gait_limits.{name} says")
+
+
+def _check_preset(parameters: ControlParameters, joint_count: int, field: str) -> None:
+    for group in ("joint_gains", "joint_gains_estimated"):
+        for name in JointGains.model_fields:
+            gains = getattr(getattr(parameters, group), name)
+            if len(gains) != joint_count:
+                raise BadInput(f"{field}.{group}.{name}", list(gains), f"{joint_count} values, one per leg joint")
+    low, high = parameters.contact.normal_force
+    if not low < high:
+        raise BadInput(f"{field}.contact.normal_force", [low, high], "lowest < highest")
+    if not parameters.foothold.separation < 2.0 * parameters.foothold.spread:
+        valid = f"less than twice the spread, {2.0 * parameters.foothold.spread}"
+        raise BadInput(f"{field}.foothold.separation", parameters.foothold.separation, valid)

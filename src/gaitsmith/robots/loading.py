@@ -1,0 +1,214 @@
+"""Loading a robot by name or path: card, model, and the checks that need both."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots.assembly import ModelText, assemble, compiled, sole_frame
+from gaitsmith.robots.card import LegCard, RobotCard
+from gaitsmith.robots.card_file import CARD_NAME, read_card
+from gaitsmith.robots.mjcf import mjcf_text
+from gaitsmith.robots.robot import Array, Leg, Robot
+from gaitsmith.robots.safety import CardFolder, parse_xml
+from gaitsmith.robots.urdf import urdf_text
+
+SHIPPED = Path(__file__).parent
+MASS_TOLERANCE = 1e-3  # relative; a card states its mass to a few digits
+URDF_TOLERANCE = 1e-9  # relative; the same numbers summed in another order
+UPRIGHT = 0.5  # cosine; a sole frame further than 60 degrees from the torso's axes is a mistake
+
+
+def robot_names() -> tuple[str, ...]:
+    """Names of the robots that come with the package."""
+    return tuple(sorted(path.parent.name for path in SHIPPED.glob(f"*/{CARD_NAME}")))
+
+
+def load_robot(name_or_path: str | Path) -> Robot:
+    """A robot of the package by name, or any other by its card.
+
+    Args:
+        name_or_path: a name that :func:`robot_names` lists, a card (`.toml`), or a folder with a `card.toml`.
+
+    Raises:
+        BadInput: unknown name, a card or model that cannot be used; names the entry, its value and what is valid.
+    """
+    path = _card_path(name_or_path)
+    card, content = read_card(path)
+    return build_robot(card, content, CardFolder(path.parent.resolve(), path.name))
+
+
+def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
+    """A robot from a card that was read already.
+
+    Args:
+        card: the card.
+        content: the card's bytes, for the content hash.
+        folder: the card's folder; model, includes and meshes are read from it.
+
+    Raises:
+        BadInput: as :func:`load_robot`.
+    """
+    label, entry = folder.label, Path(card.model).name
+    root = parse_xml(folder.read(card.model, f"{label}: model"), entry)
+    if root.tag == "mujoco":
+        text, meshes = mjcf_text(root, folder, entry)
+        source = ModelText(text, meshes, entry, None)
+    elif root.tag == "robot":
+        text, meshes, mass = urdf_text(root, folder, entry)
+        source = ModelText(text, meshes, entry, mass)
+    else:
+        raise BadInput(f"{entry}: root element", root.tag, "mujoco (MJCF) or robot (URDF)")
+    spec, notes = assemble(source, card, label)
+    model = compiled(spec, entry)
+    _check_numbers(model, entry)
+    _check_mass(model, card, source, label)
+    names = tuple(model.joint(joint).name for joint in range(1, model.njnt))
+    if model.actuator_trnid[:, 0].tolist() != list(range(1, model.njnt)):
+        raise BadInput(f"{entry}: joints", names, "joints in the order of their bodies")
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    torso = model.body(card.torso).id
+    legs = {leg.name: _leg(model, data, card, leg, names, torso, label) for leg in card.legs}
+    left, right = legs["left"], legs["right"]
+    if not left.hip_anchor[1] > right.hip_anchor[1]:
+        raise BadInput(f"{label}: legs", "left hip right of the right hip", "the left hip at the larger y")
+    limits = [card.limits[name] for name in names]
+    imu_position, imu_rotation = _imu(model, card)
+    return Robot(
+        card=card,
+        model_path=folder.folder / card.model,
+        content_hash=folder.digest(content),
+        mass=float(model.body_mass.sum()),
+        model=model,
+        notes=notes,
+        joint_names=names,
+        joint_dofs=_fixed(model.jnt_dofadr[1:], np.int64),
+        actuators=_fixed(np.arange(len(names)), np.int64),
+        position_low=_fixed([limit.position[0] for limit in limits]),
+        position_high=_fixed([limit.position[1] for limit in limits]),
+        velocity=_fixed([limit.velocity for limit in limits]),
+        torque=_fixed([limit.torque for limit in limits]),
+        torso_body=torso,
+        hip_midpoint=_fixed((left.hip_anchor + right.hip_anchor) / 2.0),
+        imu_position=imu_position,
+        imu_rotation=imu_rotation,
+        legs=(left, right),
+        source=source,
+    )
+
+
+def _card_path(name_or_path: str | Path) -> Path:
+    text = str(name_or_path)
+    if isinstance(name_or_path, str) and text in robot_names():
+        return SHIPPED / text / CARD_NAME
+    path = Path(name_or_path)
+    try:
+        if path.suffix == ".toml" and path.is_file():
+            return path
+        if text and (path / CARD_NAME).is_file():
+            return path / CARD_NAME
+    except (OSError, ValueError):
+        pass
+    valid = f"{', '.join(robot_names())}, a card (.toml), or a folder with a {CARD_NAME}"
+    raise BadInput("robot", text, valid)
+
+
+def _check_numbers(model: mujoco.MjModel, entry: str) -> None:
+    for name in (
+        "body_mass",
+        "body_inertia",
+        "body_pos",
+        "body_quat",
+        "body_ipos",
+        "body_iquat",
+        "jnt_pos",
+        "jnt_axis",
+    ):
+        if not np.isfinite(getattr(model, name)).all():
+            raise BadInput(f"{entry}: {name}", "not a finite number", "finite numbers")
+    for body in range(1, model.nbody):
+        if model.body_subtreemass[body] < 0.0 or model.body_mass[body] < 0.0:
+            raise BadInput(f"{entry}: body {model.body(body).name}", model.body_mass[body], "a mass of 0 or more")
+
+
+def _check_mass(model: mujoco.MjModel, card: RobotCard, source: ModelText, label: str) -> None:
+    mass = float(model.body_mass.sum())
+    if source.urdf_mass is not None and abs(mass - source.urdf_mass) > URDF_TOLERANCE * source.urdf_mass:
+        valid = f"{source.urdf_mass:.9g} kg, the sum of its links"
+        raise BadInput(f"{source.entry}: mass after import", mass, valid, "every moving link needs mass and inertia")
+    if abs(mass - card.mass) > MASS_TOLERANCE * mass:
+        raise BadInput(f"{label}: mass", card.mass, f"{mass:.6g} kg, as the model has, within 0.1 %")
+
+
+def _leg(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    card: RobotCard,
+    leg: LegCard,
+    names: tuple[str, ...],
+    torso: int,
+    label: str,
+) -> Leg:
+    """The leg's indices and frames; `data` holds the pose with zero joint angles."""
+    field = f"{label}: legs[{card.legs.index(leg)}]"
+    site = model.site(sole_frame(leg))
+    body = int(model.site_bodyid[site.id])
+    rotation: NDArray[np.float64] = data.xmat[torso].reshape(3, 3)
+    anchors = [rotation.T @ (data.xanchor[model.joint(name).id] - data.xpos[torso]) for name in leg.joints]
+    chain = [int(model.jnt_bodyid[model.joint(name).id]) for name in leg.joints] + [body]
+    for place, (upper, lower) in enumerate(zip(chain[:-1], chain[1:], strict=True)):
+        while lower > upper:
+            lower = int(model.body_parentid[lower])
+        if lower != upper:
+            valid = "a chain from hip to ankle that carries the sole"
+            raise BadInput(f"{field}.joints[{place}]", leg.joints[place], valid)
+    sole_axes = rotation.T @ data.site_xmat[site.id].reshape(3, 3)
+    if min(sole_axes[0, 0], sole_axes[2, 2]) < UPRIGHT:
+        raise BadInput(f"{field}.sole_site", site.name, "a frame with x forward and z up at zero joint angles")
+    sole = rotation.T @ (data.site_xpos[site.id] - data.xpos[torso])
+    knee, ankle = leg.joints.index(leg.knee), leg.joints.index(leg.ankle_pitch)
+    bones = np.linalg.norm(anchors[knee] - anchors[knee - 1]) + np.linalg.norm(anchors[ankle] - anchors[knee])
+    reach = float(anchors[0][2] - anchors[knee - 1][2] + bones + anchors[ankle][2] - sole[2])
+    if not card.gait_limits.height[1] < reach:
+        valid = f"less than {reach:.4g}, hip to sole with straight legs"
+        raise BadInput(f"{label}: gait_limits.height[1]", card.gait_limits.height[1], valid)
+    return Leg(
+        name=leg.name,
+        side=1 if leg.name == "left" else -1,
+        joints=leg.joints,
+        joint_indices=_fixed([names.index(name) for name in leg.joints], np.int64),
+        knee=names.index(leg.knee),
+        ankle_pitch=names.index(leg.ankle_pitch),
+        ankle_roll=-1 if leg.ankle_roll is None else names.index(leg.ankle_roll),
+        sole_site=site.name,
+        sole_body=body,
+        sole_position=_fixed(model.site_pos[site.id]),
+        sole_rotation=_rotation(model.site_quat[site.id]),
+        sole=leg.sole,
+        hip_anchor=_fixed(anchors[0]),
+    )
+
+
+def _imu(model: mujoco.MjModel, card: RobotCard) -> tuple[Array, Array]:
+    if card.imu_site is None:
+        return _fixed(np.zeros(3)), _fixed(np.eye(3))
+    site = model.site(card.imu_site).id
+    return _fixed(model.site_pos[site]), _rotation(model.site_quat[site])
+
+
+def _rotation(quaternion: NDArray[np.float64]) -> Array:
+    matrix = np.empty(9)
+    mujoco.mju_quat2Mat(matrix, quaternion)
+    return _fixed(matrix.reshape(3, 3))
+
+
+def _fixed(values: object, kind: type = np.float64) -> NDArray:  # type: ignore[type-arg]
+    """A read-only copy."""
+    array = np.array(values, dtype=kind)
+    array.flags.writeable = False
+    return array

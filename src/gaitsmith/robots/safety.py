@@ -1,0 +1,132 @@
+"""Model files from strangers: bounded, inside the card's folder, no entities; MuJoCo itself never opens a file."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded
+
+FILE_LIMIT = 20_000_000
+TOTAL_LIMIT = 200_000_000
+ELEMENT_LIMIT = 50_000
+DEPTH_LIMIT = 100
+FILE_COUNT_LIMIT = 500
+MESH_FORMATS = (".obj", ".stl", ".msh")
+NOT_NUMBERS = frozenset({"nan", "inf", "infinity"})
+
+
+@dataclass
+class CardFolder:
+    """Files below one folder, each read once and within bounds; remembers what was read.
+
+    Attributes:
+        folder: absolute path, links resolved.
+        label: what errors begin with, the card's file name.
+        contents: bytes by relative path, in order of reading.
+    """
+
+    folder: Path
+    label: str
+    contents: dict[str, bytes] = field(default_factory=dict)
+
+    def read(self, relative: str, entry: str) -> bytes:
+        """Content of a file given by its path relative to the folder.
+
+        Raises:
+            BadInput: absolute, `..`, a link that leads outside, not a regular file, too large, too many.
+        """
+        key, path = self._resolve(relative, entry)
+        if key not in self.contents:
+            if len(self.contents) >= FILE_COUNT_LIMIT:
+                raise BadInput(entry, relative, f"at most {FILE_COUNT_LIMIT} files")
+            try:
+                content = read_bounded(path, FILE_LIMIT)
+            except BadInput as error:
+                raise BadInput(entry, relative, error.valid, str(error.value)) from None
+            if sum(map(len, self.contents.values())) + len(content) > TOTAL_LIMIT:
+                raise BadInput(entry, relative, f"at most {TOTAL_LIMIT} bytes in all files together")
+            self.contents[key] = content
+        return self.contents[key]
+
+    def _resolve(self, relative: str, entry: str) -> tuple[str, Path]:
+        pure = PurePosixPath(relative)
+        valid = "a relative path below the card's folder, without '..'"
+        if not relative or pure.is_absolute() or ".." in pure.parts or set(relative) & set('\\:\x00\n"'):
+            raise BadInput(entry, relative, valid)
+        try:
+            path = (self.folder / pure).resolve()
+        except (OSError, RuntimeError, ValueError) as error:
+            raise BadInput(entry, relative, valid, str(error)) from None
+        if not path.is_relative_to(self.folder):
+            raise BadInput(entry, relative, valid, "a link leads outside")
+        return path.relative_to(self.folder).as_posix(), path
+
+    def digest(self, card: bytes) -> str:
+        """SHA-256 of the card and of every file read, as hexadecimal digits."""
+        total = hashlib.sha256()
+        for name, content in [("", card), *sorted(self.contents.items())]:
+            total.update(f"{name}\n{len(content)}\n".encode())
+            total.update(content)
+        return total.hexdigest()
+
+
+class _Guard(ElementTree.TreeBuilder):
+    """Tree builder that refuses document types (so entities too), deep nesting, and crowds of elements."""
+
+    def __init__(self, entry: str) -> None:
+        super().__init__()
+        self._entry = entry
+        self._depth = 0
+        self._count = 0
+
+    def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
+        raise BadInput(self._entry, f"<!DOCTYPE {name}>", "XML without document type and entities")
+
+    def start(self, tag: Any, attributes: Any, /) -> Element:
+        self._depth += 1
+        self._count += 1
+        if self._depth > DEPTH_LIMIT:
+            raise BadInput(self._entry, f"{self._depth} levels", f"at most {DEPTH_LIMIT} nested elements")
+        if self._count > ELEMENT_LIMIT:
+            raise BadInput(self._entry, f"{self._count} elements", f"at most {ELEMENT_LIMIT} elements")
+        return super().start(tag, attributes)
+
+    def end(self, tag: Any, /) -> Element:
+        self._depth -= 1
+        return super().end(tag)
+
+    def pi(self, target: Any, data: Any = None, /) -> Any:
+        return None
+
+
+def parse_xml(content: bytes, entry: str) -> Element:
+    """Root element of an XML text whose attributes hold no NaN and no infinity.
+
+    Raises:
+        BadInput: not well formed, a document type, too deep, too many elements, or a number that is not finite.
+    """
+    parser = ElementTree.XMLParser(target=_Guard(entry))
+    try:
+        parser.feed(content)
+        root: Element = parser.close()
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        raise BadInput(entry, str(error), "well-formed XML") from None
+    for element in root.iter():
+        for key, value in element.attrib.items():
+            if any(token.strip("+-").lower() in NOT_NUMBERS for token in value.split()):
+                raise BadInput(f"{entry}: {element.tag} {key}", value, "finite numbers")
+    return root
+
+
+def mesh_path(name: str, folder: str, entry: str) -> str:
+    """Path of a mesh relative to the card's folder, its format checked."""
+    path = PurePosixPath(folder) / name
+    if path.suffix.lower() not in MESH_FORMATS:
+        raise BadInput(entry, name, f"a mesh of kind {', '.join(MESH_FORMATS)}")
+    return str(path)

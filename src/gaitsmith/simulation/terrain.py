@@ -1,0 +1,112 @@
+"""Ground under the robot: flat, a slope, or random boxes, described as plain blocks for the physics engine."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from gaitsmith.errors import BadInput
+
+VALID = "flat, slope:DEGREES (-30 to 30), or boxes:METRES (0 to 0.3)"
+SLOPE_START = 0.6  # m ahead of the origin: the start stance is level
+BOX_PITCH = 0.3
+FLAT_RADIUS = 1.05  # m: boxes whose centre is nearer than this to the origin have no height
+_FIELD = 200  # cells each way: heights are drawn for all of them, so they don't depend on the region asked for
+_SUNK = 0.05  # m of every box below the plane
+
+
+class Region(NamedTuple):
+    """Where ground is needed, world frame, m: (lowest, highest) of x and of y."""
+
+    x: tuple[float, float] = (-3.0, 10.0)
+    y: tuple[float, float] = (-2.0, 2.0)
+
+
+class Block(NamedTuple):
+    """A box of ground, world frame, m and rad: centre, half extents, rotation about y (nose down positive)."""
+
+    centre: tuple[float, float, float]
+    half_size: tuple[float, float, float]
+    pitch: float = 0.0
+
+
+@dataclass(frozen=True)
+class Terrain:
+    """One kind of ground.
+
+    Attributes:
+        kind: ``flat``; ``slope``, level until 0.6 m ahead of the origin and then inclined about y; ``boxes``, a grid
+            of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin.
+        amount: inclination in degrees (uphill positive) or largest box height in m; 0 for flat ground.
+        seed: seed of the box heights.
+    """
+
+    kind: Literal["flat", "slope", "boxes"] = "flat"
+    amount: float = 0.0
+    seed: int = 0
+
+    @property
+    def has_plane(self) -> bool:
+        """Whether an endless level plane at z = 0 is part of the ground."""
+        return self.kind != "slope"
+
+    def blocks(self, region: Region) -> list[Block]:
+        """Boxes of ground that cover ``region``, besides the level plane; none farther than 60 m from the origin."""
+        if self.kind == "slope":
+            return _slope_blocks(math.radians(self.amount), region)
+        if self.kind == "boxes":
+            return _random_blocks(self.amount, self.seed, region)
+        return []
+
+
+def parse_terrain(text: str, seed: int = 0) -> Terrain:
+    """Terrain named ``flat``, ``slope:DEG``, or ``boxes:M``.
+
+    Raises:
+        BadInput: unknown kind, or a number missing, not finite, or out of range.
+    """
+    kind, _, number = text.partition(":")
+    if text == "flat":
+        return Terrain()
+    try:
+        amount = float(number)
+    except ValueError:
+        amount = math.nan
+    if kind == "slope" and abs(amount) <= 30.0:
+        return Terrain("slope", amount)
+    if kind == "boxes" and 0.0 <= amount <= 0.3:
+        return Terrain("boxes", amount, seed)
+    raise BadInput("terrain", text, VALID)
+
+
+def _slope_blocks(angle: float, region: Region) -> list[Block]:
+    """Level block and inclined block whose top faces meet exactly at x = SLOPE_START, z = 0."""
+    back, ahead = max(-region.x[0], 5.0), max(region.x[1] - SLOPE_START, 5.0) / math.cos(angle)
+    breadth = max(-region.y[0], region.y[1], 5.0)
+    depth = 1.0
+    level = Block(((SLOPE_START - back) / 2, 0.0, -depth / 2), ((SLOPE_START + back) / 2, breadth, depth / 2))
+    along, up = (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+    half = ahead / 2
+    centre = (SLOPE_START + half * along[0] - depth / 2 * up[0], 0.0, half * along[1] - depth / 2 * up[1])
+    return [level, Block(centre, (half, breadth, depth / 2), -angle)]
+
+
+def _cells(low: float, high: float) -> range:
+    """Indices of the cells that cover an interval, within the drawn field."""
+    return range(max(math.floor(low / BOX_PITCH), -_FIELD), min(math.ceil(high / BOX_PITCH), _FIELD) + 1)
+
+
+def _random_blocks(height: float, seed: int, region: Region) -> list[Block]:
+    """Grid of boxes standing in the plane z = 0; a box's height depends on the seed and its cell only."""
+    heights = np.random.default_rng([seed, 0xB0]).uniform(0.0, height, (2 * _FIELD + 1, 2 * _FIELD + 1))
+    blocks = []
+    for i in _cells(*region.x):
+        for j in _cells(*region.y):
+            x, y, top = i * BOX_PITCH, j * BOX_PITCH, float(heights[i + _FIELD, j + _FIELD])
+            if math.hypot(x, y) > FLAT_RADIUS and top > 0.0:
+                half = (top + _SUNK) / 2
+                blocks.append(Block((x, y, top - half), (BOX_PITCH / 2, BOX_PITCH / 2, half)))
+    return blocks

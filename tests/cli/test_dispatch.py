@@ -1,0 +1,135 @@
+"""Every outcome of a command becomes an exit code, at most one line on stderr, at most one document on stdout."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from gaitsmith.cli import dispatch
+from gaitsmith.cli.dispatch import Command, Outcome, main
+from gaitsmith.errors import BadInput, CacheRefused
+
+LEAVES = sorted(dispatch.COMMANDS)
+HELP_SECONDS = 0.5
+
+
+@pytest.fixture
+def trial(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Outcome]], None]:
+    """Put a command named ``trial`` in place that does what the test wants."""
+
+    def install(body: Callable[[], Outcome]) -> None:
+        monkeypatch.setitem(dispatch.COMMANDS, ("trial",), Command(dispatch.__name__, "run_trial", "for this test"))
+        monkeypatch.setattr(dispatch, "run_trial", lambda words, program: body(), raising=False)
+
+    return install
+
+
+def outcome(code: int = 0, document: dict[str, Any] | None = None) -> Outcome:
+    return Outcome(code, {"value": 1.0} if document is None else document, lambda: print("a table"))
+
+
+def test_people_get_the_table_and_programs_the_document(trial: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    trial(lambda: outcome(1))
+    assert main(["trial"]) == 1
+    assert capsys.readouterr().out == "a table\n"
+    assert main(["trial", "--json"]) == 1
+    assert json.loads(capsys.readouterr().out) == {"value": 1.0}
+
+
+def test_what_a_command_prints_stays_off_the_document(trial: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    def chatty() -> Outcome:
+        print("progress")
+        return outcome()
+
+    trial(chatty)
+    main(["trial", "--json"])
+    captured = capsys.readouterr()
+    assert json.loads(captured.out) == {"value": 1.0}
+    assert captured.err == "progress\n"
+
+
+def test_what_is_not_finite_is_null(trial: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    trial(lambda: outcome(document={"a": [float("nan"), float("inf"), 1.5], "b": (None, True)}))
+    main(["trial", "--json"])
+    assert json.loads(capsys.readouterr().out) == {"a": [None, None, 1.5], "b": [None, True]}
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "part"),
+    [
+        (BadInput("--height", 3, "0.4 to 0.72 m", "lower it"), 2, "--height: got 3, expected 0.4 to 0.72 m; lower it"),
+        (CacheRefused("cache folder x: owned by user 7"), 2, "owned by user 7"),
+        (ValueError("two\nlines"), 3, "GAITSMITH_DEBUG=1"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+@pytest.mark.parametrize("as_json", [False, True])
+def test_failures_are_one_line(
+    error: BaseException, code: int, part: str, as_json: bool, trial: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail() -> Outcome:
+        raise error
+
+    trial(fail)
+    assert main(["trial", "--json"] if as_json else ["trial"]) == code
+    captured = capsys.readouterr()
+    assert len(captured.err.splitlines()) == 1
+    assert part in captured.err
+    if as_json:
+        assert part in json.loads(captured.out)["error"]["message"]
+    else:
+        assert captured.out == ""
+
+
+@pytest.mark.parametrize("words", [["fly"], ["--fly"], ["robots", "fly"], ["bench", ""], ["robots", "--verbose"]])
+def test_unknown_commands_are_refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    assert "expected one of" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [[], ["--help"], ["robots"], ["bench", "-h"], ["--version"]])
+def test_overviews(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 0
+    captured = capsys.readouterr()
+    assert captured.out
+    assert not captured.err
+
+
+@pytest.mark.parametrize("path", LEAVES)
+def test_every_command_has_help(path: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*path, "--help"]) == 0
+    assert "--json" in capsys.readouterr().out
+
+
+def test_a_reader_that_leaves_is_no_error(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Closed(io.StringIO):
+        def write(self, text: str) -> int:
+            raise BrokenPipeError
+
+    trial(outcome)
+    monkeypatch.setattr(sys, "stdout", Closed())
+    assert main(["trial"]) == 0
+    assert main(["trial", "--json"]) == 0
+
+
+def test_help_is_fast_and_loads_no_engine() -> None:
+    code = (
+        "import sys, time; from gaitsmith.cli import main; main(['walk', '--help']);"
+        "print(sorted({'numpy', 'numba', 'mujoco', 'matplotlib', 'mcap', 'joblib'} & set(sys.modules)), file=sys.stderr)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    best = float("inf")
+    for _ in range(4):  # the machine may be busy: the best of a few
+        started = time.perf_counter()
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+        best = min(best, time.perf_counter() - started)
+        assert done.stderr.strip() == "[]"
+        if best < HELP_SECONDS:
+            break
+    assert best < HELP_SECONDS
