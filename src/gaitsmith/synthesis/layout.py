@@ -27,7 +27,7 @@ class Layout:
     @property
     def outputs(self) -> int:
         """Number of outputs."""
-        return self.joints + 34
+        return self.joints + 35
 
     @property
     def position(self) -> int:
@@ -133,3 +133,8 @@ class Layout:
     def ankle_velocity(self) -> int:
         """Velocity of the other ankle (3), m/s."""
         return self.joints + 31
+
+    @property
+    def foot_forward(self) -> int:
+        """Entry (0, 0) of the other sole's rotation."""
+        return self.joints + 34

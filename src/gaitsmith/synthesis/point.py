@@ -66,21 +66,20 @@ def _expressions(biped: Biped) -> list[Any]:
     for joint in range(n):
         q[biped.qpos[joint]], v[biped.dof[joint]], a[biped.dof[joint]] = z[joint], z[n + joint], z[2 * n + joint]
     u = z[layout.wrench :]
-    support, other = biped.sole("right"), biped.sole("left")
-    turn = support.rotation.T
-    start = symbolic.at_rest(model, turn, -turn @ support.position)
-    offset = ca.DM(other.position)
-    point = offset + ca.mtimes(ca.DM(other.rotation), pivot)
-    wrench = symbolic.ExternalWrench(other.body, point, u[:3], u[3:])
-    found = symbolic.newton_euler(model, support.body, start, q, v, a, (wrench,))
+    support, other = biped.leg("right"), biped.leg("left")
+    turn = support.sole_rotation.T
+    start = symbolic.at_rest(model, turn, -turn @ support.sole_position)
+    point = ca.DM(other.sole_position) + ca.mtimes(ca.DM(other.sole_rotation), pivot)
+    wrench = symbolic.ExternalWrench(other.sole_body, point, u[:3], u[3:])
+    found = symbolic.newton_euler(model, support.sole_body, start, q, v, a, (wrench,))
     torque = ca.vertcat(*(found.generalized[dof] for dof in biped.dof))
     force = ca.mtimes(ca.DM(turn), found.root_force)
     moment = ca.mtimes(ca.DM(turn), found.root_moment) + ca.cross(start.position, force)
-    foot, torso = found.motion[other.body], found.motion[biped.torso]
-    sole = ca.mtimes(foot.rotation, ca.DM(other.rotation))
+    foot, torso = found.motion[other.sole_body], found.motion[biped.robot.torso_body]
+    sole = ca.mtimes(foot.rotation, ca.DM(other.sole_rotation))
     spin = ca.cross(foot.omega, point)
     local = foot.acceleration + ca.cross(foot.alpha, point) + ca.cross(foot.omega, spin)
-    hip = torso.position + ca.mtimes(torso.rotation, ca.DM(biped.hip_midpoint))
+    hip = torso.position + ca.mtimes(torso.rotation, ca.DM(biped.robot.hip_midpoint))
     outputs = ca.vertcat(
         torque,
         force,
@@ -99,6 +98,7 @@ def _expressions(biped: Biped) -> list[Any]:
         torso.rotation[2, 1],
         foot.position,
         ca.mtimes(foot.rotation, foot.velocity),
+        sole[0, 0],
     )
     multipliers, weight = ca.SX.sym("l", layout.outputs), ca.SX.sym("w")
     jacobian = ca.jacobian(outputs, z)
