@@ -22,13 +22,15 @@ def read_bounded(path: str | Path, limit: int) -> bytes:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     except (OSError, ValueError) as error:
         raise BadInput(shown, _reason(error), "a readable file") from None
-    with os.fdopen(handle, "rb") as file:
+    try:
         if not stat.S_ISREG(os.fstat(handle).st_mode):
             raise BadInput(shown, "something else", "a regular file")
-        try:
+        with os.fdopen(handle, "rb", closefd=False) as file:
             content = file.read(limit + 1)
-        except OSError as error:
-            raise BadInput(shown, _reason(error), "a readable file") from None
+    except OSError as error:
+        raise BadInput(shown, _reason(error), "a readable file") from None
+    finally:
+        os.close(handle)
     if len(content) > limit:
         raise BadInput(shown, f"more than {limit} bytes", f"at most {limit} bytes")
     return content

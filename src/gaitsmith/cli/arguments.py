@@ -101,8 +101,7 @@ def parse(kind: type[_Arguments], words: Sequence[str], program: str) -> _Argume
         BadInput: an unknown option, a missing value, a value of the wrong kind.
         SystemExit: after printing help, code 0.
     """
-
-    switches = ["--" + field.name.replace("_", "-") for field in fields(cast(Any, kind)) if field.type in ("bool", bool)]
+    switches = [_flag(field.name) for field in fields(cast(Any, kind)) if field.type in ("bool", bool)]
     for word in words:
         switch, equals, value = word.partition("=")
         if equals and switch in switches:
@@ -127,7 +126,7 @@ def _refuse(event: events.ParseErrorEvent, kind: type[Any], program: str) -> NoR
     remedy = f"see {program} --help"
     if isinstance(event, events.UnrecognizedArgs):
         word = event.tokens[0].partition("=")[0] if event.tokens[0].startswith("-") else event.tokens[0]
-        flags = ["--" + field.name.replace("_", "-") for field in fields(kind)]
+        flags = [_flag(field.name) for field in fields(kind)]
         if word.startswith("-"):
             raise BadInput("option", word, f"an option of {program}", _nearest(word, flags) or remedy)
         raise BadInput("argument", word, "nothing more on this command line", remedy)
@@ -140,6 +139,10 @@ def _refuse(event: events.ParseErrorEvent, kind: type[Any], program: str) -> NoR
         name = missing.lowered.name_or_flags[-1] if missing.lowered.name_or_flags else missing.field.intern_name
         raise BadInput(name, "nothing", missing.lowered.metavar or "a value", remedy)
     raise BadInput(program, type(event).__name__, "a valid command line", remedy)
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 def _finite(flag: str, word: str, valid: str, remedy: str = "") -> float:

@@ -1,1 +1,6 @@
 """From measurement to joint torques: inverse kinematics, whole-body QP, touchdown, estimation, one Controller."""
+
+from gaitsmith.control.controller import CONTROL_PERIOD as CONTROL_PERIOD
+from gaitsmith.control.controller import Controller as Controller
+from gaitsmith.control.measurement import Measurement as Measurement
+from gaitsmith.control.telemetry import Telemetry as Telemetry

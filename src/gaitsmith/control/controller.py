@@ -13,12 +13,14 @@ from gaitsmith.control.inverse_kinematics import make_inverse_kinematics, make_l
 from gaitsmith.control.joint_torque import make_joint_feedback
 from gaitsmith.control.layout import TickGroups
 from gaitsmith.control.measurement import Measurement, make_measurement
+from gaitsmith.control.motion_map import make_motion_map
 from gaitsmith.control.quadratic_program import make_quadratic_program
 from gaitsmith.control.state import make_control_state, make_tick_gains
+from gaitsmith.control.targets import make_targets, make_task_gains
 from gaitsmith.control.telemetry import Telemetry, make_telemetry
 from gaitsmith.control.tick import tick
 from gaitsmith.control.touchdown import make_touchdown_rule
-from gaitsmith.control.whole_body import make_targets, make_task_gains, make_whole_body, problem_size
+from gaitsmith.control.whole_body import make_whole_body, problem_size
 from gaitsmith.dynamics.tree import make_tree_state, read_tree
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
@@ -61,7 +63,7 @@ class Controller:
         self.robot = robot
         self.parameters = _preset(robot, preset)
         self.gait = robot.card.gait if gait is None else gait
-        robot.card.check_gait(self.gait)
+        self._check_gait(self.gait)
         n_joints = len(robot.joint_names)
         nv = 6 + n_joints
         tree = read_tree(robot.model)
@@ -83,6 +85,7 @@ class Controller:
             gains=make_tick_gains(self.parameters, CONTROL_PERIOD),
             task_gains=make_task_gains(self.parameters),
             targets=make_targets(robot.torque_limit),
+            motion=make_motion_map(nv, n_joints),
             whole_body=make_whole_body(nv, n_joints),
             program=make_quadratic_program(*problem_size(n_joints)),
             feedback=make_joint_feedback(gains),
@@ -135,7 +138,8 @@ class Controller:
         """
         given = {"speed": speed, "period": period, "alpha": alpha, "height": height, "lift": lift, "width": width}
         changes = {name: value for name, value in given.items() if value is not None}
-        gait = self.robot.card.changed_gait(self.gait, changes)
+        gait = GaitParameters(**(self.gait.model_dump() | changes))
+        self._check_gait(gait)
         self.gait = gait
         for now, value in zip(self._groups.requested, make_gait(gait), strict=True):
             now[...] = value
@@ -163,6 +167,15 @@ class Controller:
                 kept[...] = given
         tick(self._address)
         return self._torque
+
+    def _check_gait(self, gait: GaitParameters) -> None:
+        """Raise BadInput unless every parameter lies within the card's limits."""
+        limits = self.robot.card.gait_limits
+        values = gait.model_dump() | {"speed_x": gait.speed[0], "speed_y": gait.speed[1]}
+        for name in type(limits).model_fields:
+            low, high = getattr(limits, name)
+            if not low <= values[name] <= high:
+                raise BadInput(name, values[name], f"{low} to {high}")
 
 
 def _preset(robot: Robot, preset: str | ControlParameters) -> ControlParameters:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.compiled import Matrix, kernel
 from gaitsmith.robots.parameters import JointGains
 
 

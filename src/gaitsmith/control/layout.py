@@ -8,11 +8,13 @@ from gaitsmith.control.frames import Frames, Legs
 from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics
 from gaitsmith.control.joint_torque import JointFeedback
 from gaitsmith.control.measurement import Measurement
+from gaitsmith.control.motion_map import MotionMap
 from gaitsmith.control.quadratic_program import QuadraticProgram
 from gaitsmith.control.state import ControlState, TickGains
+from gaitsmith.control.targets import Targets, TaskGains
 from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.control.touchdown import TouchdownRule
-from gaitsmith.control.whole_body import Targets, TaskGains, WholeBody
+from gaitsmith.control.whole_body import WholeBody
 from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.template.foothold import FootholdGains
 from gaitsmith.template.step import Gait, StepState
@@ -33,6 +35,7 @@ class TickGroups(NamedTuple):
     gains: TickGains
     task_gains: TaskGains
     targets: Targets
+    motion: MotionMap
     whole_body: WholeBody
     program: QuadraticProgram
     feedback: JointFeedback
@@ -60,6 +63,7 @@ _CLASSES: tuple[type, ...] = (
     TickGains,
     TaskGains,
     Targets,
+    MotionMap,
     WholeBody,
     QuadraticProgram,
     JointFeedback,
@@ -87,6 +91,7 @@ _FIRST = tuple(sum(len(cls._fields) for cls in _CLASSES[:k]) for k in range(len(
     GAINS,
     TASK_GAINS,
     TARGETS,
+    MOTION,
     WHOLE_BODY,
     PROGRAM,
     FEEDBACK,

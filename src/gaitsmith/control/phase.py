@@ -16,9 +16,7 @@ _LONGEST_STRADDLE = 0.06  # m, forward distance of the soles at which a walk may
 
 
 @kernel
-def _leave_rest(
-    step: StepState, requested: Gait, latched: Gait, frames: Frames, control: ControlState
-) -> None:
+def _leave_rest(step: StepState, requested: Gait, latched: Gait, frames: Frames, control: ControlState) -> None:
     """Take the first step, towards the side that the command points to."""
     latch(requested, latched)
     stance = LEFT if requested.speed[1] < 0.0 else RIGHT
@@ -84,9 +82,7 @@ def advance_phase(
     if event == FORCED:
         control.counts[2] += 1
     landed = control.foot_desired[3 * swing : 3 * swing + 3]
-    switch_legs(
-        step, requested, latched, foothold, landed, frames.relative[stance], frames.sole_pitch[stance]
-    )
+    switch_legs(step, requested, latched, foothold, landed, frames.relative[stance], frames.sole_pitch[stance])
     if step.walk_requested[0] == 0 and event != FORCED and _may_rest(step, frames, gains):
         step.mode[0] = STAND
         control.standing_height[0] = -0.5 * (frames.relative[0, 0, 2] + frames.relative[1, 0, 2])

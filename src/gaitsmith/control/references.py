@@ -7,15 +7,13 @@ import math
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.control.frames import Frames, Legs
 from gaitsmith.control.state import ControlState, TickGains
-from gaitsmith.control.whole_body import Targets
+from gaitsmith.control.targets import Targets
 from gaitsmith.dynamics.tree import TreeState
 from gaitsmith.template.step import WALK, Gait, StepState
 
 
 @kernel
-def heading_to_torso(
-    state: TreeState, legs: Legs, frames: Frames, vector: Vector, is_point: bool, out: Vector
-) -> None:
+def heading_to_torso(state: TreeState, legs: Legs, frames: Frames, vector: Vector, is_point: bool, out: Vector) -> None:
     """Express a heading-frame vector (or a point relative to the hip midpoint) in the torso frame."""
     cos_yaw, sin_yaw = frames.heading[1], frames.heading[2]
     x = cos_yaw * vector[0] - sin_yaw * vector[1]
@@ -86,7 +84,9 @@ def set_joint_targets(legs: Legs, step: StepState, gains: TickGains, control: Co
 
 
 @kernel
-def set_swing_targets(step: StepState, gains: TickGains, frames: Frames, control: ControlState, targets: Targets) -> None:
+def set_swing_targets(
+    step: StepState, gains: TickGains, frames: Frames, control: ControlState, targets: Targets
+) -> None:
     """Acceleration of the swing sole relative to the hip midpoint (eq. 20, with the template's own acceleration)."""
     for leg in range(2):
         actual = frames.relative[leg]
@@ -121,7 +121,9 @@ def set_standing_targets(
 
 
 @kernel
-def set_ankle_targets(step: StepState, gait: Gait, legs: Legs, gains: TickGains, frames: Frames, targets: Targets) -> None:
+def set_ankle_targets(
+    step: StepState, gait: Gait, legs: Legs, gains: TickGains, frames: Frames, targets: Targets
+) -> None:
     """Soft stance ankle torque against the speed error; too fast presses the toe down."""
     error = frames.com_velocity[0] - gait.speed[0] if step.mode[0] == WALK else 0.0
     wanted = min(max(gains.ankle_speed_gain * error, -gains.ankle_torque_limit), gains.ankle_torque_limit)

@@ -8,6 +8,7 @@ from gaitsmith.control.frames import Frames, Legs, observe_frames
 from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics, leg_step
 from gaitsmith.control.joint_torque import JointFeedback, bounded_torque
 from gaitsmith.control.measurement import Measurement
+from gaitsmith.control.motion_map import MotionMap
 from gaitsmith.control.phase import advance_phase
 from gaitsmith.control.quadratic_program import QuadraticProgram
 from gaitsmith.control.references import (
@@ -20,9 +21,10 @@ from gaitsmith.control.references import (
     swing_pitch,
 )
 from gaitsmith.control.state import ControlState, TickGains
+from gaitsmith.control.targets import Targets, TaskGains
 from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.control.touchdown import TouchdownRule
-from gaitsmith.control.whole_body import Targets, TaskGains, WholeBody, solve_whole_body
+from gaitsmith.control.whole_body import WholeBody, solve_whole_body
 from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.template.foothold import FootholdGains, foothold_target, observe_motion
@@ -193,12 +195,10 @@ def _set_torque(table: int, solved: bool) -> None:
         row = 1 if leg == step.stance[0] else 0
         for i in range(legs.joints.shape[1]):
             joint = legs.joints[leg, i]
-            feedback = feedback.stiffness[row, i] * (
+            correction = feedback.stiffness[row, i] * (
                 control.joint_reference[joint] - control.q[7 + joint]
             ) + feedback.damping[row, i] * (control.joint_rate[joint] - control.v[6 + joint])
-            control.torque[joint] = bounded_torque(
-                whole_body.torque[joint], feedback, targets.torque_limit[joint]
-            )
+            control.torque[joint] = bounded_torque(whole_body.torque[joint], correction, targets.torque_limit[joint])
 
 
 @kernel
@@ -292,6 +292,7 @@ def tick(table: int) -> None:
     foothold = bind(FootholdGains, table, layout.FOOTHOLD)
     touchdown = bind(TouchdownRule, table, layout.TOUCHDOWN)
     gains = bind(TickGains, table, layout.GAINS)
+    motion = bind(MotionMap, table, layout.MOTION)
     task_gains = bind(TaskGains, table, layout.TASK_GAINS)
     targets = bind(Targets, table, layout.TARGETS)
     whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
@@ -309,9 +310,7 @@ def tick(table: int) -> None:
         return
     update(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
-    switched = advance_phase(
-        step, requested, latched, foothold, touchdown, gains, frames, control, measurement
-    )
+    switched = advance_phase(step, requested, latched, foothold, touchdown, gains, frames, control, measurement)
     if step.mode[0] == WALK:
         stance = step.stance[0]
         swing = RIGHT if stance == LEFT else LEFT
@@ -332,6 +331,6 @@ def tick(table: int) -> None:
         set_standing_targets(tree_state, gains, frames, control, targets)
     set_joint_targets(legs, step, gains, control, targets)
     set_ankle_targets(step, latched, legs, gains, frames, targets)
-    solved = solve_whole_body(program, tree_state, legs, targets, frames, task_gains, whole_body)
+    solved = solve_whole_body(program, tree_state, legs, targets, frames, task_gains, motion, whole_body)
     _set_torque(table, solved)
     _report(table)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mujoco
 
@@ -27,12 +27,14 @@ class ModelText:
         meshes: contents by the names that the text uses.
         entry: what errors begin with, the model's file name.
         urdf_mass: sum of the URDF's masses, kg; None for MJCF.
+        left_out: kinds of element that the file has and the text has not.
     """
 
     text: str
     meshes: dict[str, bytes]
     entry: str
     urdf_mass: float | None
+    left_out: tuple[str, ...] = ()
 
 
 def assemble(source: ModelText, card: RobotCard, label: str) -> tuple[mujoco.MjSpec, tuple[str, ...]]:
@@ -55,7 +57,9 @@ def assemble(source: ModelText, card: RobotCard, label: str) -> tuple[mujoco.MjS
         raise _rewrapped(error, source.entry) from None
     spec.compiler.fusestatic = False
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    notes: list[str] = []
+    notes = [f"left out, the plant has its own: {', '.join(source.left_out)}"] if source.left_out else []
+    for body in spec.bodies:
+        body.name = body.name or _unused(spec.bodies, "body")
     _root(spec, card, label, source.entry, notes)
     names = _joints(spec, card, label, source.entry)
     for leg in card.legs:
@@ -84,7 +88,8 @@ def compiled(spec: mujoco.MjSpec, entry: str) -> mujoco.MjModel:
 
 
 def _rewrapped(error: Exception, entry: str) -> BadInput:
-    return BadInput(entry, " ".join(str(error).split()).removeprefix("Error: "), "a model that MuJoCo accepts")
+    message = " ".join(str(error).split()).removeprefix("XML ").removeprefix("Error: ")
+    return BadInput(entry, "a model that MuJoCo refuses", "a valid model", message)
 
 
 def _root(spec: mujoco.MjSpec, card: RobotCard, label: str, entry: str, notes: list[str]) -> None:
@@ -142,10 +147,11 @@ def _limit(spec: mujoco.MjSpec, joint: mujoco.MjsJoint, card: RobotCard, label: 
     low, high = (float(bound) * unit for bound in joint.range)
     wanted = card.limits[joint.name].position
     slack = 1e-6
-    if joint.limited != mujoco.mjtLimited.mjLIMITED_FALSE and low < high:
-        if wanted[0] < low - slack or wanted[1] > high + slack:
-            field = f"{label}: limits.{joint.name}.position"
-            raise BadInput(field, list(wanted), f"a range within the model's, {low:.6g} to {high:.6g}")
+    automatic = joint.limited == mujoco.mjtLimited.mjLIMITED_AUTO and spec.compiler.autolimits and low < high
+    limited = automatic or joint.limited == mujoco.mjtLimited.mjLIMITED_TRUE
+    if limited and (wanted[0] < low - slack or wanted[1] > high + slack):
+        field = f"{label}: limits.{joint.name}.position"
+        raise BadInput(field, list(wanted), f"a range within the model's, {low:.6g} to {high:.6g}")
     joint.range = [bound / unit for bound in wanted]
     joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
     joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
@@ -195,6 +201,8 @@ def _motors(spec: mujoco.MjSpec, card: RobotCard, names: list[str], entry: str, 
     for name in names:
         motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         motor.set_to_motor()
+        motor.gear = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        motor.forcelimited = motor.actlimited = mujoco.mjtLimited.mjLIMITED_FALSE
         motor.ctrllimited = mujoco.mjtLimited.mjLIMITED_TRUE
         motor.ctrlrange = [-card.limits[name].torque, card.limits[name].torque]
 
@@ -217,7 +225,7 @@ def _tree(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
         yield from _tree(child)
 
 
-def _unused(elements: list[mujoco.MjsJoint], wanted: str) -> str:
+def _unused(elements: list[Any], wanted: str) -> str:
     names = {element.name for element in elements}
     return next(name for name in (wanted, *(f"{wanted}_{i}" for i in range(len(names) + 1))) if name not in names)
 

@@ -19,6 +19,7 @@ from gaitsmith.robots.parameters import (
 )
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
+PresetName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 Triple = tuple[Finite, Finite, Finite]
 
 
@@ -100,10 +101,10 @@ class RobotCard(Parameters):
     mass: Positive
     legs: tuple[LegCard, LegCard]
     imu_site: Name | None = None
-    limits: dict[Name, JointLimits]
+    limits: Annotated[dict[Name, JointLimits], Field(max_length=200)]
     gait: GaitParameters
     gait_limits: GaitLimits
-    presets: dict[Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")], ControlParameters]
+    presets: Annotated[dict[PresetName, ControlParameters], Field(max_length=50)]
     assumptions: tuple[Assumption, ...] = ()
 
     @model_validator(mode="after")

@@ -58,10 +58,11 @@ def parse_card(data: dict[str, Any], source: str = CARD_NAME) -> RobotCard:
 
 def _merged(presets: Any) -> Any:
     """Presets with the default's values where they are silent."""
-    if not isinstance(presets, dict) or not isinstance(presets.get("default"), dict):
+    if not isinstance(presets, dict):
         return presets
-    default = presets["default"]
-    return {name: _over(default, preset) for name, preset in presets.items()}
+    if "default" not in presets:
+        raise BadInput("presets", sorted(presets), "a preset named default")
+    return {name: _over(presets["default"], preset) for name, preset in presets.items()}
 
 
 def _over(base: Any, top: Any) -> Any:
@@ -83,4 +84,4 @@ def _valid(kind: str, message: str) -> str:
         return "a value"
     if kind == "extra_forbidden":
         return "no such entry"
-    return message.removeprefix("Input should be ").removeprefix("Value error, ")
+    return message.removeprefix("Input should be ").replace("String should", "text that should")

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.assembly import ModelText, assemble, compiled, sole_frame
 from gaitsmith.robots.card import LegCard, RobotCard
 from gaitsmith.robots.card_file import CARD_NAME, read_card
 from gaitsmith.robots.mjcf import mjcf_text
-from gaitsmith.robots.robot import Array, Leg, Robot
+from gaitsmith.robots.robot import Array, Indices, Leg, Robot
 from gaitsmith.robots.safety import CardFolder, parse_xml
 from gaitsmith.robots.urdf import urdf_text
 
 SHIPPED = Path(__file__).parent
 MASS_TOLERANCE = 1e-3  # relative; a card states its mass to a few digits
 URDF_TOLERANCE = 1e-9  # relative; the same numbers summed in another order
+NUMBERS = (
+    *("body_mass", "body_subtreemass", "body_inertia", "body_pos", "body_quat", "body_ipos", "body_iquat"),
+    *("jnt_pos", "jnt_axis", "jnt_range", "dof_armature", "dof_damping", "dof_frictionloss", "dof_invweight0"),
+    *("geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
+)
 UPRIGHT = 0.5  # cosine; a sole frame further than 60 degrees from the torso's axes is a mistake
 
 
@@ -56,8 +62,8 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
     label, entry = folder.label, Path(card.model).name
     root = parse_xml(folder.read(card.model, f"{label}: model"), entry)
     if root.tag == "mujoco":
-        text, meshes = mjcf_text(root, folder, entry)
-        source = ModelText(text, meshes, entry, None)
+        text, meshes, left_out = mjcf_text(root, folder, entry)
+        source = ModelText(text, meshes, entry, None, left_out)
     elif root.tag == "robot":
         text, meshes, mass = urdf_text(root, folder, entry)
         source = ModelText(text, meshes, entry, mass)
@@ -87,12 +93,12 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
         model=model,
         notes=notes,
         joint_names=names,
-        joint_dofs=_fixed(model.jnt_dofadr[1:], np.int64),
-        actuators=_fixed(np.arange(len(names)), np.int64),
+        joint_dofs=_indices(model.jnt_dofadr[1:]),
+        actuators=_indices(np.arange(len(names))),
         position_low=_fixed([limit.position[0] for limit in limits]),
         position_high=_fixed([limit.position[1] for limit in limits]),
-        velocity=_fixed([limit.velocity for limit in limits]),
-        torque=_fixed([limit.torque for limit in limits]),
+        velocity_limit=_fixed([limit.velocity for limit in limits]),
+        torque_limit=_fixed([limit.torque for limit in limits]),
         torso_body=torso,
         hip_midpoint=_fixed((left.hip_anchor + right.hip_anchor) / 2.0),
         imu_position=imu_position,
@@ -106,7 +112,7 @@ def _card_path(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
     if isinstance(name_or_path, str) and text in robot_names():
         return SHIPPED / text / CARD_NAME
-    path = Path(name_or_path)
+    path = Path(text)
     try:
         if path.suffix == ".toml" and path.is_file():
             return path
@@ -119,21 +125,11 @@ def _card_path(name_or_path: str | Path) -> Path:
 
 
 def _check_numbers(model: mujoco.MjModel, entry: str) -> None:
-    for name in (
-        "body_mass",
-        "body_inertia",
-        "body_pos",
-        "body_quat",
-        "body_ipos",
-        "body_iquat",
-        "jnt_pos",
-        "jnt_axis",
-    ):
+    for name in NUMBERS:
         if not np.isfinite(getattr(model, name)).all():
             raise BadInput(f"{entry}: {name}", "not a finite number", "finite numbers")
-    for body in range(1, model.nbody):
-        if model.body_subtreemass[body] < 0.0 or model.body_mass[body] < 0.0:
-            raise BadInput(f"{entry}: body {model.body(body).name}", model.body_mass[body], "a mass of 0 or more")
+    if model.body_mass.min() < 0.0 or not model.body_subtreemass[1] > 0.0:
+        raise BadInput(f"{entry}: masses", model.body_mass.tolist(), "masses of 0 or more kg, the sum above 0")
 
 
 def _check_mass(model: mujoco.MjModel, card: RobotCard, source: ModelText, label: str) -> None:
@@ -158,13 +154,14 @@ def _leg(
     field = f"{label}: legs[{card.legs.index(leg)}]"
     site = model.site(sole_frame(leg))
     body = int(model.site_bodyid[site.id])
-    rotation: NDArray[np.float64] = data.xmat[torso].reshape(3, 3)
+    rotation: Array = data.xmat[torso].reshape(3, 3)
     anchors = [rotation.T @ (data.xanchor[model.joint(name).id] - data.xpos[torso]) for name in leg.joints]
     chain = [int(model.jnt_bodyid[model.joint(name).id]) for name in leg.joints] + [body]
-    for place, (upper, lower) in enumerate(zip(chain[:-1], chain[1:], strict=True)):
+    indices = [names.index(name) for name in leg.joints]
+    for place, (upper, lower) in enumerate(pairwise(chain)):
         while lower > upper:
             lower = int(model.body_parentid[lower])
-        if lower != upper:
+        if lower != upper or indices != sorted(indices):
             valid = "a chain from hip to ankle that carries the sole"
             raise BadInput(f"{field}.joints[{place}]", leg.joints[place], valid)
     sole_axes = rotation.T @ data.site_xmat[site.id].reshape(3, 3)
@@ -181,7 +178,7 @@ def _leg(
         name=leg.name,
         side=1 if leg.name == "left" else -1,
         joints=leg.joints,
-        joint_indices=_fixed([names.index(name) for name in leg.joints], np.int64),
+        joint_indices=_indices(indices),
         knee=names.index(leg.knee),
         ankle_pitch=names.index(leg.ankle_pitch),
         ankle_roll=-1 if leg.ankle_roll is None else names.index(leg.ankle_roll),
@@ -201,14 +198,21 @@ def _imu(model: mujoco.MjModel, card: RobotCard) -> tuple[Array, Array]:
     return _fixed(model.site_pos[site]), _rotation(model.site_quat[site])
 
 
-def _rotation(quaternion: NDArray[np.float64]) -> Array:
+def _rotation(quaternion: Array) -> Array:
     matrix = np.empty(9)
     mujoco.mju_quat2Mat(matrix, quaternion)
     return _fixed(matrix.reshape(3, 3))
 
 
-def _fixed(values: object, kind: type = np.float64) -> NDArray:  # type: ignore[type-arg]
+def _fixed(values: npt.ArrayLike) -> Array:
     """A read-only copy."""
-    array = np.array(values, dtype=kind)
+    array = np.array(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def _indices(values: npt.ArrayLike) -> Indices:
+    """A read-only copy."""
+    array = np.array(values, dtype=np.int64)
     array.flags.writeable = False
     return array

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from gaitsmith.errors import BadInput
-from gaitsmith.robots.safety import CardFolder, mesh_path, parse_xml
+from gaitsmith.robots.safety import CardFolder, check_size, mesh_path, parse_xml
 
 INCLUDE_DEPTH = 10
 COMPILER_KEPT = (
@@ -58,8 +58,8 @@ REASONS = {
 }
 
 
-def mjcf_text(root: Element, folder: CardFolder, entry: str) -> tuple[str, dict[str, bytes]]:
-    """A model that needs no file, and its meshes by name.
+def mjcf_text(root: Element, folder: CardFolder, entry: str) -> tuple[str, dict[str, bytes], tuple[str, ...]]:
+    """A model that needs no file, its meshes by name, and the kinds of element that were left out.
 
     Args:
         root: the parsed main file.
@@ -70,9 +70,11 @@ def mjcf_text(root: Element, folder: CardFolder, entry: str) -> tuple[str, dict[
         BadInput: an include or mesh cannot be read, or the model holds something the control cannot represent.
     """
     _expand(root, folder, entry, set(), 0)
+    check_size(root, entry)
     meshes = _collect_meshes(root, folder, entry)
-    _filter(root, entry)
-    return ElementTree.tostring(root, encoding="unicode"), meshes
+    left_out: set[str] = set()
+    _filter(root, entry, left_out)
+    return ElementTree.tostring(root, encoding="unicode"), meshes, tuple(sorted(left_out))
 
 
 def _expand(element: Element, folder: CardFolder, entry: str, seen: set[str], depth: int) -> None:
@@ -91,6 +93,7 @@ def _expand(element: Element, folder: CardFolder, entry: str, seen: set[str], de
         if included.tag not in ("mujoco", "mujocoinclude"):
             raise BadInput(where, included.tag, "a root element mujoco or mujocoinclude")
         _expand(included, folder, entry, seen, depth + 1)
+        check_size(included, where)
         element[index : index + 1] = list(included)
 
 
@@ -121,23 +124,28 @@ def _collect_meshes(root: Element, folder: CardFolder, entry: str) -> dict[str, 
     return contents
 
 
-def _filter(element: Element, entry: str) -> None:
+def _filter(element: Element, entry: str, left_out: set[str]) -> None:
     """Keep what makes a robot, drop what the plant brings itself, refuse the rest."""
     kept, dropped = KEPT.get(element.tag, ()), DROPPED.get(element.tag, ())
     for child in list(element):
         if child.tag in dropped:
             element.remove(child)
+            left_out.add(child.tag)
         elif child.tag not in kept:
             reason = REASONS.get(child.tag, "remove it or simplify the model")
             raise BadInput(f"{entry}: {element.tag}", f"<{child.tag}>", f"only {', '.join(kept) or 'nothing'}", reason)
         else:
-            _filter(child, entry)
+            _filter(child, entry, left_out)
     if element.tag == "compiler":
         _keep(element, COMPILER_KEPT)
     elif element.tag == "material":
         element.attrib.pop("texture", None)
     elif element.tag == "freejoint":
         element.attrib.pop("align", None)
+    elif element.tag in ("inertial", "geom"):
+        for name in ("mass", "density"):
+            if element.get(name, "0").strip().startswith("-"):
+                raise BadInput(f"{entry}: {element.tag} {name}", element.get(name), "a number above 0")
     elif element.tag == "body":
         element.attrib.pop("sleep", None)
         for name in ("mocap", "gravcomp"):

@@ -68,8 +68,8 @@ class Robot:
         actuators: (n,), the model's actuator of each joint.
         position_low: (n,), rad or m.
         position_high: (n,), rad or m.
-        velocity: (n,), largest speed, rad/s or m/s.
-        torque: (n,), largest torque or force, N·m or N.
+        velocity_limit: (n,), largest speed, rad/s or m/s.
+        torque_limit: (n,), largest torque or force, N·m or N.
         torso_body: body with the free joint.
         hip_midpoint: (3,), mean of the legs' hip anchors in the torso frame, m.
         imu_position: (3,), in the torso frame, m.
@@ -88,8 +88,8 @@ class Robot:
     actuators: Indices
     position_low: Array
     position_high: Array
-    velocity: Array
-    torque: Array
+    velocity_limit: Array
+    torque_limit: Array
     torso_body: int
     hip_midpoint: Array
     imu_position: Array

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -15,10 +16,9 @@ from gaitsmith.files import read_bounded
 FILE_LIMIT = 20_000_000
 TOTAL_LIMIT = 200_000_000
 ELEMENT_LIMIT = 50_000
-DEPTH_LIMIT = 100
-FILE_COUNT_LIMIT = 500
+DEPTH_LIMIT = 50
+FILE_COUNT_LIMIT = 200
 MESH_FORMATS = (".obj", ".stl", ".msh")
-NOT_NUMBERS = frozenset({"nan", "inf", "infinity"})
 
 
 @dataclass
@@ -119,9 +119,26 @@ def parse_xml(content: bytes, entry: str) -> Element:
         raise BadInput(entry, str(error), "well-formed XML") from None
     for element in root.iter():
         for key, value in element.attrib.items():
-            if any(token.strip("+-").lower() in NOT_NUMBERS for token in value.split()):
+            if not all(map(_finite_or_word, value.split())):
                 raise BadInput(f"{entry}: {element.tag} {key}", value, "finite numbers")
     return root
+
+
+def check_size(root: Element, entry: str) -> None:
+    """Refuse a tree that is too deep or too large, as included files can make it."""
+    level, count, depth = [root], 0, 0
+    while level:
+        count, depth = count + len(level), depth + 1
+        if count > ELEMENT_LIMIT or depth > DEPTH_LIMIT:
+            raise BadInput(entry, f"{count} elements", f"at most {ELEMENT_LIMIT} elements, {DEPTH_LIMIT} deep")
+        level = [child for element in level for child in element]
+
+
+def _finite_or_word(token: str) -> bool:
+    try:
+        return math.isfinite(float(token))
+    except ValueError:
+        return True
 
 
 def mesh_path(name: str, folder: str, entry: str) -> str:

@@ -17,6 +17,7 @@ from gaitsmith.robots.safety import CardFolder, mesh_path
 JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed")
 SHAPES = ("box", "cylinder", "sphere", "capsule", "mesh")
 WORLD = "world"
+LINK_LIMIT = 300
 
 
 def urdf_text(root: Element, folder: CardFolder, entry: str) -> tuple[str, dict[str, bytes], float]:
@@ -34,6 +35,8 @@ def urdf_text(root: Element, folder: CardFolder, entry: str) -> tuple[str, dict[
     meshes: dict[str, bytes] = {}
     links = {link.get("name", ""): link for link in root.findall("link")}
     joints = root.findall("joint")
+    if not 0 < len(links) <= LINK_LIMIT or len(links) != len(root.findall("link")):
+        raise BadInput(f"{entry}: links", len(root.findall("link")), f"1 to {LINK_LIMIT} links, each with its own name")
     base = _base(links, joints, entry)
     SubElement(robot, "link", {"name": WORLD})
     floating = SubElement(robot, "joint", {"name": "root", "type": "floating"})
@@ -58,7 +61,7 @@ def urdf_text(root: Element, folder: CardFolder, entry: str) -> tuple[str, dict[
 
 def _base(links: dict[str, Element], joints: list[Element], entry: str) -> str:
     """The one link without a parent, a massless link named world aside."""
-    children = {}
+    children: dict[str | None, str | None] = {}
     for joint in joints:
         parent, child = joint.find("parent"), joint.find("child")
         if parent is None or child is None or {parent.get("link"), child.get("link")} - set(links):
@@ -71,6 +74,12 @@ def _base(links: dict[str, Element], joints: list[Element], entry: str) -> str:
         roots = [child or "" for child, parent in children.items() if parent == WORLD]
     if len(roots) != 1 or roots[0] == WORLD:
         raise BadInput(f"{entry}: root link", roots, "exactly one link without a parent, not named world")
+    for name in links:
+        link: str | None = name
+        for _ in links:
+            link = children.get(link)
+        if link not in (None, roots[0]):
+            raise BadInput(f"{entry}: link {name}", "a loop", "a tree: every link hangs from the root link")
     return roots[0]
 
 

@@ -102,8 +102,8 @@ class Plant:
             torso=robot.torso_body,
             sole_body=np.array([leg.sole_body for leg in legs], dtype=np.int64),
             sole_position=np.array([leg.sole_position for leg in legs]),
-            hip_midpoint=np.asarray(robot.hip_midpoint, dtype=float),
-            torque_limit=np.asarray(robot.torque_limit, dtype=float),
+            hip_midpoint=np.asarray(robot.hip_midpoint),
+            torque_limit=np.asarray(robot.torque_limit),
             row_address=model.M_rowadr.astype(np.int64),
             mass=float(model.body_subtreemass[0]),
         )
@@ -158,12 +158,12 @@ class Plant:
         self._ticks = 0
         track(*self._handle)
         account.counts[2] = 0
-        self.restart_extremes()
+        account.extremes[0] = self.observed[19]
+        self.restart_excursion()
         observe(*self._handle)
 
-    def restart_extremes(self) -> None:
-        """Forget the smallest separation and count the torso's excursion from here."""
-        self._account.extremes[0] = self.observed[19]
+    def restart_excursion(self) -> None:
+        """Count the torso's excursion from where it is now."""
         self._account.extremes[1] = 0.0
         self._account.start[:] = self._data.xpos[self._robot.torso_body][:2]
 
@@ -245,12 +245,14 @@ class Plant:
     @property
     def q(self) -> npt.NDArray[np.float64]:
         """(nq,) true position; a view."""
-        return self._data.qpos
+        position: npt.NDArray[np.float64] = self._data.qpos
+        return position
 
     @property
     def v(self) -> npt.NDArray[np.float64]:
         """(nv,) true velocity; a view."""
-        return self._data.qvel
+        velocity: npt.NDArray[np.float64] = self._data.qvel
+        return velocity
 
     @property
     def min_separation(self) -> float:
@@ -259,7 +261,7 @@ class Plant:
 
     @property
     def excursion(self) -> float:
-        """Largest horizontal distance of the torso from where it was at :meth:`restart_extremes`, m."""
+        """Largest horizontal distance of the torso from where it was at :meth:`restart_excursion`, m."""
         return float(self._account.extremes[1])
 
     @property
@@ -341,7 +343,7 @@ def _compile(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[
             contact(body, names[b], body, "world", _FOUND, _FIRST)
     n_imu = len(spec.sensors)
     torso = spec.body(names[robot.torso_body])
-    imu = torso.add_site(name="gaitsmith_imu")
+    imu = torso.add_site(name="gaitsmith_imu", pos=robot.imu_position)
     for kind in (mujoco.mjtSensor.mjSENS_ACCELEROMETER, mujoco.mjtSensor.mjSENS_GYRO):
         spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=imu.name)
     try:

@@ -22,9 +22,7 @@ def latch(requested: Gait, latched: Gait) -> None:
 
 
 @kernel
-def begin_step(
-    step: StepState, stance: int, support_desired: Matrix, swing_actual: Matrix, swing_pitch: float
-) -> None:
+def begin_step(step: StepState, stance: int, support_desired: Matrix, swing_actual: Matrix, swing_pitch: float) -> None:
     """Start a step with the two rules of section 2.2.
 
     Args:

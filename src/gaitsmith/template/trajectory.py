@@ -26,7 +26,17 @@ def support_height(step: StepState, gait: Gait, out: Vector) -> None:
     height = -gait.height[0]
     middle = start[0, 2] + gait.alpha[0] * (height - start[0, 2])
     evaluate_pair(
-        step.time[0], gait.alpha[0] * period, period, start[0, 2], start[1, 2], start[2, 2], middle, height, 0.0, 0.0, out
+        step.time[0],
+        gait.alpha[0] * period,
+        period,
+        start[0, 2],
+        start[1, 2],
+        start[2, 2],
+        middle,
+        height,
+        0.0,
+        0.0,
+        out,
     )
 
 
@@ -57,9 +67,7 @@ def swing_foot(
         else:
             end = ground
             middle = ground + gait.lift[0]
-        evaluate_pair(
-            time, middle_time, period, start, step.swing_start[1, axis], 0.0, middle, end, 0.0, 0.0, scratch
-        )
+        evaluate_pair(time, middle_time, period, start, step.swing_start[1, axis], 0.0, middle, end, 0.0, 0.0, scratch)
         for order in range(3):
             out[order, axis] = scratch[order]
     if time > period:

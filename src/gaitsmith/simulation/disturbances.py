@@ -1,0 +1,137 @@
+"""Pushes: rectangular force pulses on one body, started at a time or at a phase of the stride."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Protocol
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field
+
+Impulse = Annotated[float, Field(ge=-1000.0, le=1000.0, allow_inf_nan=False)]
+
+
+class Push(BaseModel):
+    """A rectangular push at a body's CoM.
+
+    Attributes:
+        time: start, s since the beginning of the run; with ``phase``, the earliest start.
+        impulse: (3,) world axes, N·s, at most 1000 each.
+        duration: s.
+        phase: start when the stride reaches this phase: 0 at the start of a left stance, 0.5 at the start of a right
+            stance, measured step time over the last step's duration in between. None: start at ``time``.
+        body: name of the pushed body; None is the torso.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    time: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+    impulse: tuple[Impulse, Impulse, Impulse]
+    duration: Annotated[float, Field(ge=1e-3, le=10.0, allow_inf_nan=False)] = 0.1
+    phase: Annotated[float, Field(ge=0.0, lt=1.0, allow_inf_nan=False)] | None = None
+    body: str | None = None
+
+
+class Pushable(Protocol):
+    """What pushes act on; :class:`gaitsmith.simulation.Plant` is one."""
+
+    def push(self, force: npt.ArrayLike, body: str | None = None) -> None:
+        """Set the force on a body until it is set again."""
+
+
+class StrideClock:
+    """Phase of the stride as measured: 0 to 0.5 in left stance, 0.5 to 1 in right stance."""
+
+    def __init__(self) -> None:
+        self._step_count = -1
+        self._began = 0.0
+        self._duration = math.nan
+
+    def phase(self, time: float, walking: bool, stance: int, step_time: float, step_count: int, period: float) -> float:
+        """Phase at ``time``, NaN while not walking.
+
+        Args:
+            time: s.
+            walking: whether the controller walks.
+            stance: 0 left, 1 right.
+            step_time: since the step began, s.
+            step_count: steps taken.
+            period: commanded step duration, s; stands in until one step has been measured.
+        """
+        if not walking or stance > 1:
+            self._step_count = -1
+            return math.nan
+        if step_count != self._step_count:
+            if step_count == self._step_count + 1 and self._step_count >= 0:
+                self._duration = time - step_time - self._began
+            else:
+                self._duration = period
+            self._step_count = step_count
+            self._began = time - step_time
+        return 0.5 * stance + 0.5 * min(step_time / self._duration, 1.0 - 1e-9)
+
+
+def crossed(phase: float, before: float, now: float) -> bool:
+    """Whether a stride that moved from phase ``before`` to ``now``, forwards, reached ``phase`` on the way."""
+    travelled = (now - before) % 1.0
+    return travelled < 0.75 and 0.0 < (phase - before) % 1.0 <= travelled
+
+
+class Pushes:
+    """Applies pushes to a plant, once a control tick.
+
+    Args:
+        pushes: in any order.
+        plant: what is pushed.
+        control_step: s; a push lasts a whole number of these, and its force makes up for the rounding.
+
+    Attributes:
+        started: when each push began, s; NaN while it has not.
+    """
+
+    def __init__(self, pushes: tuple[Push, ...], plant: Pushable, control_step: float) -> None:
+        self._pushes = pushes
+        self._plant = plant
+        self._ticks = [max(1, round(push.duration / control_step)) for push in pushes]
+        self._force = [
+            np.asarray(push.impulse) / (n * control_step) for push, n in zip(pushes, self._ticks, strict=True)
+        ]
+        self._left = [-1] * len(pushes)  # ticks still to push; -1 before the start
+        self._pending = len(pushes)
+        self._before = math.nan
+        self.started = [math.nan] * len(pushes)
+
+    @property
+    def done(self) -> bool:
+        """Whether every push is over, so that the loop need not ask any more."""
+        return self._pending == 0
+
+    def apply(self, time: float, phase: float) -> None:
+        """Set the forces for the control tick that begins at ``time``, s, with the stride at ``phase``."""
+        changed: set[str | None] = set()
+        for k, push in enumerate(self._pushes):
+            if self._left[k] == -1 and self._starts(push, time, phase):
+                self._left[k] = self._ticks[k]
+                self.started[k] = time
+                changed.add(push.body)
+            elif self._left[k] > 0:
+                self._left[k] -= 1
+                if self._left[k] == 0:
+                    self._pending -= 1
+                    changed.add(push.body)
+        for body in changed:
+            total = np.zeros(3)
+            for k, push in enumerate(self._pushes):
+                if push.body == body and self._left[k] > 0:
+                    total += self._force[k]
+            self._plant.push(total, body)
+        self._before = phase
+
+    def _starts(self, push: Push, time: float, phase: float) -> bool:
+        """Whether a push that has not begun begins now."""
+        if time < push.time - 1e-9:
+            return False
+        if push.phase is None:
+            return True
+        return crossed(push.phase, self._before, phase)

@@ -1,0 +1,262 @@
+"""What happens in one run, as data: robot, terrain, commands over time, pushes, sensors; from TOML or from flags."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from gaitsmith.errors import BadInput
+from gaitsmith.simulation.disturbances import Push
+from gaitsmith.simulation.sensors import SensorNoise
+from gaitsmith.simulation.terrain import Region, parse_terrain
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+
+_MAX_BYTES = 1_000_000
+_MAX_DURATION = 3600.0
+_MARGIN = 3.0  # m of prepared ground around the commanded path
+Seconds = Annotated[float, Field(ge=0.0, le=_MAX_DURATION, allow_inf_nan=False)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+GAIT_FIELDS = ("speed", "period", "alpha", "height", "lift", "width")
+
+
+class Command(BaseModel):
+    """Gait inputs that a user sets; None leaves one as it was (at the start: the robot card's default).
+
+    Attributes:
+        speed: forward and to the left, m/s; one number means forward.
+        period: of one step, s.
+        alpha: lifting stage's share of the period.
+        height: hip midpoint above the stance sole, m.
+        lift: of the swing sole, m.
+        width: half the lateral distance between the soles, m.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    speed: tuple[Number, Number] | None = None
+    period: Number | None = None
+    alpha: Number | None = None
+    height: Number | None = None
+    lift: Number | None = None
+    width: Number | None = None
+
+    @field_validator("speed", mode="before")
+    @classmethod
+    def _forward_alone(cls, given: Any) -> Any:
+        """A single number is a forward speed."""
+        if given is None:
+            return None
+        pair = list(given) if isinstance(given, list | tuple) else [given]
+        if not 1 <= len(pair) <= 2 or not all(type(n) in (int, float) and math.isfinite(n) for n in pair):
+            raise ValueError("one or two finite numbers, m/s, forward and to the left")
+        return (float(pair[0]), float(pair[1]) if len(pair) == 2 else 0.0)
+
+    def given(self) -> dict[str, Any]:
+        """The inputs that are set, as keyword arguments of :meth:`gaitsmith.control.Controller.command`."""
+        return {name: getattr(self, name) for name in GAIT_FIELDS if getattr(self, name) is not None}
+
+
+class Change(Command):
+    """Gait inputs that change at a time, s since the beginning of the run."""
+
+    time: Seconds
+
+    @model_validator(mode="after")
+    def _changes_something(self) -> Change:
+        """Refuse a change of nothing."""
+        if not self.given():
+            raise BadInput("changes", self.time, "a time and at least one of " + ", ".join(GAIT_FIELDS))
+        return self
+
+
+class Scenario(Command):
+    """One run. The inherited gait inputs hold from the beginning; ``changes`` alter them.
+
+    Attributes:
+        robot: name of a shipped robot, or path of a card.
+        preset: control parameters of the card.
+        state: whether the controller sees the true state or sensors and an estimator.
+        seed: of everything random.
+        terrain: ``flat``, ``slope:DEGREES``, or ``boxes:METRES``.
+        duration: of the whole run, rests included, s.
+        rest_before: standing on both feet before the walk, s.
+        rest_after: the same after it, s.
+        changes: in order of time.
+        pushes: in any order.
+        sensors: sensor errors when the state is estimated.
+        joint_friction: Coulomb friction of every joint, N·m.
+        torque_delay: from command to joint, s.
+        friction: Coulomb coefficient between sole and ground.
+    """
+
+    robot: Annotated[str, Field(min_length=1, max_length=1000)] = "bhr_b2"
+    preset: Annotated[str, Field(min_length=1, max_length=64)] = "default"
+    state: Literal["true", "estimated"] = "true"
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = 0
+    terrain: str = "flat"
+    duration: Annotated[float, Field(gt=0.0, le=_MAX_DURATION, allow_inf_nan=False)] = 20.0
+    rest_before: Seconds = 1.0
+    rest_after: Seconds = 0.0
+    changes: Annotated[tuple[Change, ...], Field(max_length=1000)] = ()
+    pushes: Annotated[tuple[Push, ...], Field(max_length=1000)] = ()
+    sensors: SensorNoise = SensorNoise()
+    joint_friction: Annotated[float, Field(ge=0.0, le=100.0, allow_inf_nan=False)] = 0.0
+    torque_delay: Annotated[float, Field(ge=0.0, le=0.1, allow_inf_nan=False)] = 0.0
+    friction: Annotated[float, Field(ge=0.05, le=5.0, allow_inf_nan=False)] = 0.8
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scenario:
+        """Check what no single field can tell."""
+        parse_terrain(self.terrain)
+        if self.rest_before + self.rest_after > self.duration:
+            raise BadInput(
+                "duration",
+                self.duration,
+                f"at least rest_before + rest_after = {self.rest_before + self.rest_after:g} s",
+            )
+        last = -math.inf
+        for k, change in enumerate(self.changes):
+            if change.time <= last:
+                raise BadInput(
+                    f"changes[{k}].time", change.time, f"more than {last:g} s, the time of the change before"
+                )
+            if change.time >= self.duration:
+                raise BadInput(f"changes[{k}].time", change.time, f"less than the duration, {self.duration:g} s")
+            last = change.time
+        for k, push in enumerate(self.pushes):
+            if push.time >= self.duration:
+                raise BadInput(f"pushes[{k}].time", push.time, f"0 s to less than the duration, {self.duration:g} s")
+        return self
+
+    @property
+    def walk_from(self) -> float:
+        """When the walk is asked for, s."""
+        return self.rest_before
+
+    @property
+    def walk_until(self) -> float:
+        """When rest is asked for, s."""
+        return self.duration - self.rest_after
+
+    def region(self) -> Region:
+        """Ground around the path that the commands describe, were it straight."""
+        place, lowest, highest = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
+        speed, now = self.speed or (0.0, 0.0), self.walk_from
+        for change in (*self.changes, Change(time=self.walk_until, speed=(0.0, 0.0))):
+            until = min(max(change.time, now), self.walk_until)
+            for axis in range(2):
+                place[axis] += speed[axis] * (until - now)
+                lowest[axis], highest[axis] = min(lowest[axis], place[axis]), max(highest[axis], place[axis])
+            speed, now = change.speed or speed, until
+        return Region((lowest[0] - _MARGIN, highest[0] + _MARGIN), (lowest[1] - _MARGIN / 2, highest[1] + _MARGIN / 2))
+
+
+def make_scenario(fields: dict[str, Any], source: str = "") -> Scenario:
+    """Scenario from plain values, as a TOML file or flags give them.
+
+    Args:
+        fields: names and values of :class:`Scenario`.
+        source: put before the field's name in an error, such as a file name.
+
+    Raises:
+        BadInput: naming the first field that is wrong, its value, and what is valid.
+    """
+    try:
+        return Scenario.model_validate_json(json.dumps(fields, default=str), strict=True)
+    except ValidationError as error:
+        raise _bad_input(error, source) from None
+    except BadInput as error:
+        raise BadInput(f"{source}{error.field}", error.value, error.valid, error.remedy) from None
+    except (RecursionError, TypeError, ValueError) as error:
+        raise BadInput(f"{source}scenario", str(error), "names and values of a scenario's fields") from None
+
+
+def check_scenario(scenario: Scenario, robot: Robot) -> None:
+    """Check a scenario's gait inputs, preset and pushed bodies against a robot.
+
+    Raises:
+        BadInput: a value outside the card's ``gait_limits``, or a preset or body that the robot does not have.
+    """
+    if scenario.preset not in robot.card.presets:
+        raise BadInput("preset", scenario.preset, "one of " + ", ".join(sorted(robot.card.presets)))
+    commands: list[tuple[str, Command]] = [("", scenario)]
+    commands += [(f"changes[{k}].", change) for k, change in enumerate(scenario.changes)]
+    limits = robot.card.gait_limits
+    for prefix, command in commands:
+        for name, value in command.given().items():
+            if name == "speed":
+                _check_range(f"{prefix}speed[0]", value[0], limits.speed_x, "m/s")
+                _check_range(f"{prefix}speed[1]", value[1], limits.speed_y, "m/s")
+            else:
+                unit = {"period": "s", "alpha": "of the period"}.get(name, "m")
+                _check_range(f"{prefix}{name}", value, getattr(limits, name), unit)
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """Scenario of a TOML file, or a shipped one by name (``figure5``).
+
+    Raises:
+        BadInput: no such file or name, a file over 1 MB, not TOML, empty, or with a wrong field.
+    """
+    path = Path(name_or_path)
+    shipped = {Path(entry.name).stem: entry for entry in resources.files(__package__).joinpath("scenarios").iterdir()}
+    if str(name_or_path) in shipped:
+        return _parse(shipped[str(name_or_path)].read_bytes(), f"{name_or_path}: ")
+    valid = f"a TOML file of at most 1 MB, or one of {', '.join(sorted(shipped))}"
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "not a path"
+        raise BadInput("scenario", str(name_or_path), valid, reason) from None
+    if len(content) > _MAX_BYTES:
+        raise BadInput("scenario", str(name_or_path), valid)
+    return _parse(content, f"{path.name}: ")
+
+
+def _parse(content: bytes, source: str) -> Scenario:
+    """Scenario from a TOML document."""
+    try:
+        fields = tomllib.loads(content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{source}scenario", str(error), "a TOML document in UTF-8") from None
+    if not fields:
+        raise BadInput(f"{source}scenario", "an empty file", "at least one field, such as duration = 20")
+    return make_scenario(fields, source)
+
+
+def _check_range(field: str, value: float, limits: tuple[float, float], unit: str) -> None:
+    """Refuse a value outside a closed range."""
+    low, high = limits
+    if not low <= value <= high:
+        raise BadInput(field, value, f"{low:g} to {high:g} {unit}")
+
+
+def _bad_input(error: ValidationError, source: str) -> BadInput:
+    """The first thing that pydantic found, in one line."""
+    first = error.errors(include_url=False)[0]
+    field = ""
+    for part in first["loc"]:
+        field += f"[{part}]" if isinstance(part, int) else f"{'.' if field else ''}{part}"
+    valid = first["msg"][0].lower() + first["msg"][1:]
+    if first["type"] == "extra_forbidden":
+        valid = "no such field; the fields are " + ", ".join(_siblings(first["loc"]))
+    value = None if first["type"] == "missing" else first["input"]
+    for opening in ("input should be ", "value error, "):
+        valid = valid.removeprefix(opening)
+    return BadInput(f"{source}{field or 'scenario'}", value, valid)
+
+
+def _siblings(location: tuple[int | str, ...]) -> list[str]:
+    """Fields that are known where an unknown one was found."""
+    parts: dict[str, type[BaseModel]] = {"changes": Change, "pushes": Push, "sensors": SensorNoise}
+    model = parts.get(str(location[0]), Scenario)
+    return list(model.model_fields) if len(location) > 1 else list(Scenario.model_fields)

@@ -1,0 +1,35 @@
+"""How long the control ticks took."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from gaitsmith.view.canvas import LEFT, LIMIT, RIGHT, above, figure
+from gaitsmith.view.recording import Recording
+
+_BINS = 80
+
+
+def draw_timing(recording: Recording) -> Figure:
+    """Histogram of the tick's duration, both axes logarithmic, with median and 99th percentile."""
+    ticks = recording.tick_us
+    ticks = ticks[np.isfinite(ticks) & (ticks > 0.0)]
+    with figure(f"{recording.title}: duration of a control tick", 4.2) as made:
+        axis = made.subplots()
+        if not len(ticks):
+            axis.text(0.5, 0.5, "no durations were recorded", ha="center", transform=axis.transAxes)
+            return made
+        median, late = np.percentile(ticks, [50.0, 99.0])
+        edges = np.geomspace(0.9 * ticks.min(), 1.1 * ticks.max(), _BINS)
+        axis.hist(ticks, bins=edges.tolist(), color=LEFT, alpha=0.85)
+        axis.axvline(median, color=RIGHT, label=f"median {median:.1f} µs")
+        axis.axvline(late, color=RIGHT, linestyle="--", label=f"99 % within {late:.1f} µs")
+        axis.axvline(ticks.max(), color=LIMIT, linestyle=":", label=f"longest {ticks.max():.0f} µs")
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set(xlabel="duration, µs", ylabel="ticks")
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_minor_formatter("{x:g}")
+        above(axis, 3)
+    return made

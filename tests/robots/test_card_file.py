@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.robots.samples import BHR, card_data
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots.card_file import CARD_LIMIT, parse_card, read_card
+
+
+def test_reads_the_shipped_card() -> None:
+    card, content = read_card(BHR / "card.toml")
+    assert card == parse_card(card_data())
+    assert content == (BHR / "card.toml").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"legs = 3",
+        b"schema_version = ",
+        b"\xff\xfe",
+        b"a = [" * 20_000,
+        b"a = " + b"9" * 10_000,
+        b"a = 2020-01-01",
+        b"presets = { default = 1 }",
+        b"mass = nan",
+        b"x." * 5000 + b"x = 1",
+        b"#" * (CARD_LIMIT + 1),
+    ],
+)
+def test_refuses_other_content_in_one_line(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "card.toml"
+    path.write_bytes(content)
+    with pytest.raises(BadInput) as caught:
+        read_card(path)
+    assert "card.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+
+from gaitsmith.errors import BadInput
+from gaitsmith.files import new_folder, read_bounded, write_bytes_atomic, write_text_atomic
+
+
+def test_writes_whole_and_leaves_nothing_else(tmp_path: Path) -> None:
+    target = tmp_path / "a.txt"
+    write_text_atomic(target, "über")
+    write_bytes_atomic(target, b"second")
+    assert target.read_bytes() == b"second"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_a_reader_never_sees_half(tmp_path: Path) -> None:
+    target = tmp_path / "a"
+    contents = {bytes([65 + i]) * 200_000 for i in range(3)}
+    write_bytes_atomic(target, next(iter(contents)))
+    done = threading.Event()
+    torn: list[int] = []
+
+    def read() -> None:
+        while not done.is_set():
+            content = target.read_bytes()
+            if content not in contents:
+                torn.append(len(content))
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    for _ in range(10):
+        for content in contents:
+            write_bytes_atomic(target, content)
+    done.set()
+    reader.join()
+    assert torn == []
+
+
+def test_a_failed_write_keeps_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "a"
+    target.mkdir()
+    with pytest.raises(BadInput):
+        write_bytes_atomic(target, b"x")
+    assert os.listdir(tmp_path) == ["a"]
+    with pytest.raises(BadInput, match="missing/a"):
+        write_bytes_atomic(tmp_path / "missing" / "a", b"x")
+
+
+def test_permissions_follow_the_umask(tmp_path: Path) -> None:
+    previous = os.umask(0o027)
+    try:
+        write_bytes_atomic(tmp_path / "a", b"x")
+    finally:
+        os.umask(previous)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == 0o640
+
+
+def test_new_folder_is_new(tmp_path: Path) -> None:
+    folder = new_folder(tmp_path / "a" / "b")
+    assert folder.is_dir()
+    assert folder.is_absolute()
+    with pytest.raises(BadInput, match="--out: .*does not exist yet"):
+        new_folder(folder)
+    (tmp_path / "file").write_text("x")
+    for path in (tmp_path / "file", tmp_path / "file" / "below", "/proc/nowhere", "nul\0", "n" * 5000):
+        with pytest.raises(BadInput) as caught:
+            new_folder(path)
+        assert "\n" not in str(caught.value)
+
+
+def test_reads_within_bounds(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    path.write_bytes(b"12345")
+    assert read_bounded(path, 5) == b"12345"
+    with pytest.raises(BadInput, match="at most 4 bytes"):
+        read_bounded(path, 4)
+    os.mkfifo(tmp_path / "pipe")
+    for bad in (tmp_path, tmp_path / "none", tmp_path / "pipe", "/dev/zero", "nul\0"):
+        with pytest.raises(BadInput):
+            read_bounded(bad, 10)

@@ -1,0 +1,120 @@
+"""Figures of a made-up walk: they say what the recording says, and need no display."""
+
+import struct
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gaitsmith.errors import BadInput
+from gaitsmith.view import FIGURES, LegTrace, Recording, draw_speed, draw_timing, draw_torques, write_figures
+
+PERIOD, WIDTH = 0.4, 0.0375
+PIXELS_WIDE = 1600
+
+
+def made_up_walk(seconds: float = 12.0, rate: float = 500.0) -> Recording:
+    """A walk that speeds up and slows down; nothing falls because nothing is simulated."""
+    rng = np.random.default_rng(1)
+    time = np.arange(0.0, seconds, 1.0 / rate)
+    n = len(time)
+    stage = np.minimum(np.floor(time / 2.0), 5)
+    command = np.column_stack([0.1 * np.minimum(stage, 5 - stage), np.zeros(n)])
+    step = np.floor(time / PERIOD)
+    phase = time / PERIOD - step
+    stance = np.where(time < 1.0, 2.0, step % 2)
+    torso = np.column_stack([np.cumsum(command[:, 0]) / rate, 0.01 * np.sin(np.pi * time / PERIOD)])
+    soles, feet = np.zeros((n, 6)), np.zeros((n, 6))
+    for side in (0, 1):
+        lateral = WIDTH if side == 0 else -WIDTH
+        swing = stance == 1 - side
+        ahead = np.where(swing, phase - 0.5, 0.5 - phase) * PERIOD * command[:, 0]
+        lift = np.where(swing, 0.1 * np.sin(np.pi * phase), 0.0)
+        feet[:, 3 * side : 3 * side + 3] = np.column_stack([ahead, np.full(n, lateral), lift - 0.7])
+        soles[:, 3 * side : 3 * side + 2] = torso + feet[:, 3 * side : 3 * side + 2]
+        soles[:, 3 * side + 2] = lift
+    swings = np.sin(2 * np.pi * np.outer(time, np.ones(8)) / (2 * PERIOD) + np.tile([0.0, 0.5, 1.0, 1.5], 2))
+    return Recording(
+        title="made up",
+        time=time,
+        speed_command=command,
+        speed=command + 0.03 * rng.standard_normal((n, 2)) + 0.05 * np.sin(2 * np.pi * time / PERIOD)[:, None],
+        tilt=np.radians(0.3 * rng.standard_normal((n, 2))),
+        yaw=0.01 * np.sin(time),
+        height_command=np.full(n, 0.7),
+        height=0.7 + 0.004 * np.sin(2 * np.pi * time / PERIOD),
+        stance=stance,
+        step_count=step,
+        joint_names=tuple(f"{side}_{name}" for side in ("left", "right") for name in ("hip", "femur", "knee", "ankle")),
+        joint_desired=0.4 * swings,
+        joint_position=0.4 * swings + 0.01,
+        torque=40.0 * swings,
+        torque_limit=np.array([100.0, 150.0, 200.0, 80.0] * 2),
+        foot_desired=feet,
+        foot_actual=feet + 0.003,
+        sole_position=soles,
+        torso_position=torso,
+        zmp=np.tile([0.02, 0.0, 0.02, 0.0], (n, 1)),
+        tick_us=25.0 * np.exp(0.2 * rng.standard_normal(n)),
+        legs=(
+            LegTrace("left", (0, 1, 2, 3), 0.08, 0.14, 0.0),
+            LegTrace("right", (4, 5, 6, 7), 0.08, 0.14, 0.0),
+        ),
+    )
+
+
+@pytest.fixture(scope="module")
+def walk() -> Recording:
+    return made_up_walk()
+
+
+def test_every_figure_is_a_png_of_full_width(walk: Recording, tmp_path: Path) -> None:
+    paths = write_figures(walk, tmp_path)
+    assert [path.name for path in paths] == [f"{name}.png" for name in FIGURES]
+    for path in paths:
+        head = path.read_bytes()[:24]
+        assert head[:8] == b"\x89PNG\r\n\x1a\n"
+        assert struct.unpack(">I", head[16:20])[0] == PIXELS_WIDE
+
+
+def test_stages_are_where_the_command_changes(walk: Recording) -> None:
+    stages = walk.stages()
+    assert [round(stage.speed_x, 3) for stage in stages] == [0.0, 0.1, 0.2, 0.1, 0.0]
+    assert [round(stage.begin, 3) for stage in stages] == [0.0, 2.0, 4.0, 8.0, 10.0]
+
+
+def test_window_is_the_end_of_the_fastest_stage(walk: Recording) -> None:
+    times = walk.time[walk.window(1.5)]
+    assert times[0] == pytest.approx(6.5)
+    assert times[-1] == pytest.approx(8.0, abs=0.01)
+
+
+def test_curves_are_the_recording(walk: Recording) -> None:
+    forward = draw_speed(walk).axes[0]
+    curves = {line.get_label(): line for line in forward.get_lines()}
+    x, y = (np.asarray(values, dtype=float) for values in curves["commanded"].get_data())
+    assert np.array_equal(y, np.interp(x, walk.time, walk.speed_command[:, 0]))
+
+
+def test_torque_titles_name_peak_and_limit(walk: Recording) -> None:
+    titles = [axis.get_title(loc="left") for axis in draw_torques(walk).axes]
+    assert "left_knee, right_knee   peak 40 of 200 N·m" in titles
+
+
+def test_a_recording_of_two_samples_is_drawn(walk: Recording, tmp_path: Path) -> None:
+    fields = {
+        name: value[:2] if isinstance(value, np.ndarray) and len(value) == len(walk.time) else value
+        for name, value in vars(walk).items()
+    }
+    assert len(write_figures(Recording(**fields), tmp_path)) == len(FIGURES)
+
+
+def test_no_durations_is_said(walk: Recording) -> None:
+    (axis,) = draw_timing(replace(walk, tick_us=np.zeros(0))).axes
+    assert "no durations" in axis.texts[0].get_text()
+
+
+def test_a_folder_that_is_not_there_is_refused(walk: Recording, tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="a folder that can be written"):
+        write_figures(walk, tmp_path / "absent")
