@@ -1,0 +1,1 @@
+"""Spline-parametric gait synthesis: motions as data, one constrained optimisation, and a certificate."""

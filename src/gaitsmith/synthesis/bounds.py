@@ -104,7 +104,7 @@ def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
         joint = int(biped.partner[local]) if mirrored else local
         sign = float(biped.sign[joint]) if mirrored else 1.0
         name = robot.joint_names[joint]
-        torque, speed = float(robot.torque[joint]) * bounds.torque, float(robot.velocity[joint]) * bounds.velocity
+        torque, speed = float(robot.torque_limit[joint]) * bounds.torque, float(robot.velocity_limit[joint]) * bounds.velocity
         low, high = float(robot.position_low[joint]), float(robot.position_high[joint])
         found.append(Bound(f"{name} torque", "N·m", {layout.torque + local: sign}, {}, -torque, torque, 2 * torque))
         found.append(Bound(f"{name} angle", "rad", {}, {layout.position + local: sign}, low, high, high - low))

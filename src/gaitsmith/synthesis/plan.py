@@ -1,0 +1,221 @@
+"""Planning: solve on few points, look at every bound between them, add points where one is violated, solve again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis.biped import Biped, biped_from
+from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
+from gaitsmith.synthesis.closure import finished_pieces, phase_pieces
+from gaitsmith.synthesis.dense import DenseCheck, check, new_picks, with_times, worst_violation
+from gaitsmith.synthesis.failure import explain
+from gaitsmith.synthesis.gait import Gait
+from gaitsmith.synthesis.guess import default_start
+from gaitsmith.synthesis.ipopt import Progress, Solution, solve_ipopt
+from gaitsmith.synthesis.motion import Motion
+from gaitsmith.synthesis.point import PointFunctions, point_functions
+from gaitsmith.synthesis.program import Pick, Program, all_picks, make_program
+from gaitsmith.synthesis.settings import Settings
+from gaitsmith.synthesis.transcription import Transcription
+
+Array = npt.NDArray[np.float64]
+_AIM = 0.5 * ALLOWED
+_SELDOM = ("torque", "angle", "velocity")  # imposed only where the dense grid asks for them
+_WARM = {
+    "warm_start_init_point": "yes",
+    "mu_strategy": "monotone",
+    "mu_init": 1e-4,
+    "warm_start_bound_push": 1e-6,
+    "warm_start_bound_frac": 1e-6,
+    "warm_start_slack_bound_push": 1e-6,
+    "warm_start_slack_bound_frac": 1e-6,
+    "warm_start_mult_bound_push": 1e-6,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class PlanResult:
+    """How planning ended.
+
+    Attributes:
+        status: ``solved``, ``not solved`` or ``not certified``.
+        reason: why not, in words; empty when solved.
+        gait: the gait with its certificate; None unless solved.
+        objective: J of eq. (16).
+        iterations: of all solves together.
+        rounds: how often points were added.
+        times: s: setup, compile, solve, check.
+        variables: unknowns.
+        constraints: rows of the last program.
+        worst: every constraint's worst value, the worst first.
+        x: the unknowns, for a warm start.
+        picks: the bounds imposed at the end.
+    """
+
+    status: str
+    reason: str
+    gait: Gait | None
+    objective: float
+    iterations: int
+    rounds: int
+    times: dict[str, float]
+    variables: int
+    constraints: int
+    worst: list[Worst]
+    x: Array
+    picks: list[Pick] = field(default_factory=list)
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is a certified gait."""
+        return self.status == "solved"
+
+
+class Planner:
+    """Plans motions for one robot; the compiled functions are loaded once.
+
+    Args:
+        robot: the robot.
+        notify: told once when the dynamics are compiled, or when there is no compiler.
+
+    Raises:
+        BadInput: the robot has legs or soles that cannot be planned for.
+    """
+
+    def __init__(self, robot: Robot, notify: Callable[[str], None] | None = None) -> None:
+        self.biped: Biped = biped_from(robot)
+        self.functions: PointFunctions = point_functions(self.biped, notify)
+
+    def plan(
+        self,
+        motion: Motion,
+        settings: Settings | None = None,
+        start: Array | None = None,
+        picks: list[Pick] | None = None,
+        report: Callable[[int, Progress], None] | None = None,
+    ) -> PlanResult:
+        """Solve, check on the dense grid, refine, and certify.
+
+        Args:
+            motion: phases and conditions.
+            settings: bounds, order, tolerances.
+            start: unknowns to start from; the default start if None.
+            picks: bounds imposed from the beginning, from an earlier result.
+            report: called at every iteration with the round and the progress.
+        """
+        settings = settings or Settings()
+        begin = time.perf_counter()
+        trans = Transcription(self.biped, motion, settings)
+        base = trans.points()
+        if picks is None:
+            picks = [
+                pick
+                for pick in all_picks(trans, base)
+                if not trans.bounds[pick.phase][pick.bound].name.endswith(_SELDOM)
+            ]
+        warm = start is not None
+        x = default_start(trans) if start is None else start
+        times = {"setup": 0.0, "compile": self.functions.compile_s, "solve": 0.0, "check": 0.0}
+        iterations, rounds = 0, 0
+        deadline = begin + settings.time_limit
+        times["setup"] += time.perf_counter() - begin
+        while True:
+            clock = time.perf_counter()
+            points = with_times(trans, base, picks)
+            program = make_program(trans, self.functions, points, picks)
+            found = self._solve(program, x, settings, deadline, warm or rounds > 0, rounds, report)
+            iterations += found.iterations
+            x = found.x
+            times["setup"] += found.setup_s
+            times["solve"] += time.perf_counter() - clock - found.setup_s
+            z, o = program.evaluate(x)
+            objective = program.objective(z, o)
+
+            def result(
+                status: str, reason: str, worst: list[Worst], gait: Gait | None = None, J: float = objective
+            ) -> PlanResult:
+                return PlanResult(
+                    status, reason, gait, J, iterations, rounds, times, trans.size, program.rows, worst, x, picks
+                )
+
+            if not found.solved:
+                return result("not solved", explain(trans, program, found, time.perf_counter() > deadline), [])
+            clock = time.perf_counter()
+            checks = check(trans, self.functions, x, settings.dense)
+            times["check"] += time.perf_counter() - clock
+            beyond = worst_violation(checks)
+            if beyond <= _AIM or (rounds >= settings.refinements and beyond <= ALLOWED):
+                break
+            if rounds >= settings.refinements or time.perf_counter() > deadline:
+                worst = certificate(trans, checks)
+                first = worst[0]
+                text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
+                return result("not certified", f"{text}, after {rounds} refinements", worst)
+            picks = new_picks(trans, checks, picks, _AIM)
+            rounds += 1
+        worst = certificate(trans, checks)
+        clock = time.perf_counter()
+        gait = self._gait(trans, x, worst, found, objective)
+        times["check"] += time.perf_counter() - clock
+        return result("solved", "", worst, gait)
+
+    def _solve(
+        self,
+        program: Program,
+        x: Array,
+        settings: Settings,
+        deadline: float,
+        warm: bool,
+        rounds: int,
+        report: Callable[[int, Progress], None] | None,
+    ) -> Solution:
+        return solve_ipopt(
+            program,
+            x,
+            settings.tolerance,
+            settings.max_iterations,
+            max(deadline - time.perf_counter(), 0.01),
+            None if report is None else lambda progress: report(rounds, progress),
+            _WARM if warm else None,
+        )
+
+    def _gait(self, trans: Transcription, x: Array, worst: list[Worst], found: Solution, objective: float) -> Gait:
+        """The gait in the robot's own order and world axes."""
+        robot = self.biped.robot
+        pieces = []
+        for phase in range(len(trans.motion.phases)):
+            local = phase_pieces(trans, self.functions, x, phase)
+            pieces.append(finished_pieces(trans, self.functions, x, phase, local))
+        solver: dict[str, Any] = {
+            "name": "IPOPT",
+            "status": found.status,
+            "iterations": found.iterations,
+            "objective": objective,
+            "unknowns": x.tolist(),
+        }
+        return Gait(
+            robot=robot.card.name,
+            robot_hash=robot.content_hash,
+            joint_names=robot.joint_names,
+            motion=trans.motion,
+            pieces=tuple(pieces),
+            bounds=trans.settings.bounds.model_dump(),
+            order=trans.settings.order,
+            solver=solver,
+            certificate={"dense_points": trans.settings.dense, "worst": [item.as_dict() for item in worst]},
+        )
+
+
+def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
+    """Every constraint's worst value, the worst first."""
+    found: dict[str, Worst] = {}
+    for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
+        merge(found, phase, bounds, item.times, item.values)
+    return ranked(found)
