@@ -81,14 +81,12 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         start, end = float(motion.borders[index]), float(motion.borders[index + 1])
         label = Label("wrench of the other foot", "weights", index, start, 1.0)
         edge = phase.contact in ("heel", "toe")
-        before = phases[index - 1] if index else (phases[-1] if motion.cyclic else None)
-        after = phases[index + 1] if index + 1 < len(phases) else (phases[0] if motion.cyclic else None)
         fixed: set[tuple[int, int]] = set()
         if edge:
             fixed |= {(4, k) for k in range(4)}
-        if before is not None and not before.double:
+        if motion.meets(index):
             fixed |= {(row, 0) for row in range(6)}
-        if after is not None and not after.double:
+        if motion.leaves(index):
             fixed |= {(row, 3) for row in range(6)}
         for row, k in sorted(fixed):
             rows.add(label, 0.0, 0.0, lin={int(columns[row, k]): 1.0})

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from gaitsmith.synthesis.biped import Biped
 from gaitsmith.synthesis.layout import Layout
-from gaitsmith.synthesis.motion import Limit, Phase
+from gaitsmith.synthesis.motion import Limit, Motion, Phase
 from gaitsmith.synthesis.settings import Bounds
 
 Array = npt.NDArray[np.float64]
@@ -20,7 +20,11 @@ _LEVEL = 0.6  # largest sine of a turning foot's pitch
 
 @dataclass(frozen=True)
 class Bound:
-    """low <= out·o + inp·z + constant <= high, in ``unit``; ``span`` is the range that violations are relative to."""
+    """low <= out·o + inp·z + constant - rise * profile(s) <= high, in ``unit``.
+
+    ``span`` is the range that violations are relative to; s runs from 0 to 1 over the phase. An ``interior`` bound
+    does not hold at the phase's ends.
+    """
 
     name: str
     unit: str
@@ -31,6 +35,24 @@ class Bound:
     span: float
     constant: float = 0.0
     interior: bool = False
+    rise: float = 0.0
+    lifts: bool = False
+    lands: bool = False
+
+    def offset(self, s: Array) -> Array:
+        """What is added to the linear form at normalised times (N,): the constant less the risen profile."""
+        s = np.asarray(s, dtype=np.float64)
+        if not self.rise:
+            return np.full_like(s, self.constant)
+        up = _smooth(2.0 * s if self.lands else s) if self.lifts else np.ones_like(s)
+        down = _smooth(2.0 * (1.0 - s) if self.lifts else 1.0 - s) if self.lands else np.ones_like(s)
+        return np.asarray(self.constant - self.rise * np.minimum(up, down))
+
+
+def _smooth(s: Array) -> Array:
+    """From 0 to 1 with two derivatives zero at both ends, as a foot leaves the ground."""
+    s = np.clip(s, 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 + s * (6.0 * s - 15.0)))
 
 
 def pivot_of(biped: Biped, phase: Phase) -> Array:
@@ -112,7 +134,7 @@ def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
     return found
 
 
-def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
+def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[Bound]:
     layout, sole = Layout(biped.joints), biped.leg("left").sole
     length = sole.heel + sole.toe
     if phase.contact == "flat":
@@ -124,7 +146,10 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
     for x in (-sole.heel, sole.toe):
         for y in (-sole.half_width, sole.half_width):
             form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: y}
-            found.append(Bound("swing foot clearance", "m", form, {}, 0.0, np.inf, length, interior=True))
+            rise = bounds.clearance
+            found.append(
+                Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands)
+            )
     tilt = float(np.sin(bounds.foot_tilt))
     found.append(Bound("swing foot roll", "rad", {layout.foot_roll: 1.0}, {}, -tilt, tilt, 2 * tilt))
     found.append(Bound("swing foot yaw", "rad", {layout.foot_yaw: 1.0}, {}, -tilt, tilt, 2 * tilt))
@@ -133,8 +158,9 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
     return found
 
 
-def phase_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
+def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:
     """Every bound that holds throughout a phase, in the phase's local frame (see :mod:`~gaitsmith.synthesis.layout`)."""
+    phase = motion.phases[index]
     layout, sole = Layout(biped.joints), biped.leg("left").sole
     margin = bounds.zmp_margin
     ends = 0.0 if phase.double else margin
@@ -156,9 +182,9 @@ def phase_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
     )
     for name in ("pitch", "roll", "yaw"):
         tilt = float(np.sin(getattr(bounds, f"torso_{name}")))
-        index = getattr(layout, f"torso_{name}")
-        found.append(Bound(f"torso {name}", "rad", {index: 1.0}, {}, -tilt, tilt, 2 * tilt))
-    found += _foot_bounds(biped, bounds, phase)
+        form = {int(getattr(layout, f"torso_{name}")): 1.0}
+        found.append(Bound(f"torso {name}", "rad", form, {}, -tilt, tilt, 2 * tilt))
+    found += _foot_bounds(biped, bounds, phase, motion.lifts(index), motion.lands(index))
     for limit in phase.limits:
         form, constant = quantity_form(biped, phase, limit.quantity)
         found.append(_box(limit.quantity, "", form, limit, constant, biped.height))

@@ -19,7 +19,7 @@ _SAME = 0.02  # share of a phase within which two instants count as one
 
 
 class BoundTable:
-    """A phase's bounds as matrices: value = out @ o + inp @ z + constant."""
+    """A phase's bounds as matrices: value = out @ o + inp @ z + offset."""
 
     def __init__(self, layout: Layout, bounds: list[Bound]) -> None:
         count = len(bounds)
@@ -33,11 +33,10 @@ class BoundTable:
         self.low = np.array([bound.low for bound in bounds])[:, None]
         self.high = np.array([bound.high for bound in bounds])[:, None]
         self.span = np.array([bound.span for bound in bounds])[:, None]
-        self.constant = np.array([bound.constant for bound in bounds])[:, None]
 
-    def values(self, o: Array, z: Array) -> Array:
-        """(bounds, N) values in the bounds' units."""
-        return np.asarray(self.out @ o + self.inp @ z + self.constant)
+    def values(self, o: Array, z: Array, s: Array) -> Array:
+        """(bounds, N) values in the bounds' units; s (N,) is the normalised time in the phase."""
+        return np.asarray(self.out @ o + self.inp @ z + np.array([bound.offset(s) for bound in self.bounds]))
 
     def violations(self, values: Array) -> Array:
         """(bounds, N) share of the span by which a bound is violated; negative inside."""
@@ -68,7 +67,7 @@ def check(trans: Transcription, functions: PointFunctions, x: Array, count: int)
         z = local_inputs(trans, x, phase, pieces, times)
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)))
         table = BoundTable(trans.layout, trans.bounds[phase])
-        values = table.values(o, z)
+        values = table.values(o, z, trans.share(phase, times))
         found.append(DenseCheck(times, table.violations(values), values))
     return found
 

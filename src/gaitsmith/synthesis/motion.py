@@ -137,3 +137,28 @@ class Motion:
     def borders(self) -> Array:
         """(len(phases) + 1,) times of the borders, s."""
         return np.concatenate([[0.0], np.cumsum([phase.duration for phase in self.phases])])
+
+    def lifts(self, phase: int) -> bool:
+        """Whether the other foot leaves the ground at the start of a phase."""
+        return not self.phases[phase].double and (phase == 0 or self.phases[phase - 1].double)
+
+    def lands(self, phase: int) -> bool:
+        """Whether the other foot meets the ground at the end of a phase."""
+        last = phase == len(self.phases) - 1
+        return not self.phases[phase].double and (last or self.phases[phase + 1].double)
+
+    def meets(self, phase: int) -> bool:
+        """Whether the other foot's wrench is zero at the start of a phase of double support."""
+        if not self.phases[phase].double:
+            return False
+        if phase == 0 and not self.cyclic:
+            return self.phases[0].contact == "heel"
+        return not self.phases[phase - 1].double
+
+    def leaves(self, phase: int) -> bool:
+        """Whether the other foot's wrench is zero at the end of a phase of double support."""
+        if not self.phases[phase].double:
+            return False
+        if phase == len(self.phases) - 1 and not self.cyclic:
+            return self.phases[phase].contact == "toe"
+        return not self.phases[(phase + 1) % len(self.phases)].double

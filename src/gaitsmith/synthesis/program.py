@@ -108,7 +108,8 @@ def make_program(
     for pick in picks:
         bound = trans.bounds[pick.phase][pick.bound]
         label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span)
-        rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], inputs, pick.tighten)
+        share = float(trans.share(pick.phase, np.array(pick.time)))
+        rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, inputs, pick.tighten)
     c, d = rows.matrices(points.count)
     return Program(
         functions=functions,
@@ -126,13 +127,16 @@ def make_program(
 
 def all_picks(trans: Transcription, points: Points) -> list[Pick]:
     """Every bound at every point."""
-    borders = trans.motion.borders
+    borders, motion = trans.motion.borders, trans.motion
     found = []
     for phase, time in zip(points.phase.tolist(), points.time.tolist(), strict=True):
-        end = min(abs(time - borders[phase]), abs(time - borders[phase + 1])) < 1e-9
-        found += [
-            Pick(phase, k, time) for k, bound in enumerate(trans.bounds[phase]) if not (bound.interior and end)
-        ]
+        start, end = abs(time - borders[phase]) < 1e-9, abs(time - borders[phase + 1]) < 1e-9
+        free = (start and motion.meets(phase)) or (end and motion.leaves(phase))
+        for k, bound in enumerate(trans.bounds[phase]):
+            # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
+            unloaded = free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench
+            if not (bound.interior and (start or end)) and not unloaded:
+                found.append(Pick(phase, k, time))
     return found
 
 

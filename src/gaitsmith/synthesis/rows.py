@@ -68,8 +68,11 @@ class Rows:
             lin = dict(zip(matrix.indices[begin:end].tolist(), matrix.data[begin:end].tolist(), strict=True))
             self.add(label, float(values[k]), float(values[k]), lin=lin)
 
-    def add_bound(self, bound: Bound, label: Label, point: int, inputs: sp.csr_matrix, tighten: float = 0.0) -> None:
-        """Append a bound at a point, divided by its span; ``tighten`` is a share of the span."""
+    def add_bound(
+        self, bound: Bound, label: Label, point: int, share: float, inputs: sp.csr_matrix, tighten: float = 0.0
+    ) -> None:
+        """Append a bound at a point, divided by its span; ``tighten`` is a share of the span, ``share`` of the phase."""
+        constant = float(bound.offset(np.array(share)))
         scale = 1.0 / bound.span
         base = point * self.layout.outputs
         out = {base + index: value * scale for index, value in bound.out.items()}
@@ -79,8 +82,8 @@ class Rows:
             for k in range(inputs.indptr[row], inputs.indptr[row + 1]):
                 column = int(inputs.indices[k])
                 lin[column] = lin.get(column, 0.0) + value * scale * float(inputs.data[k])
-        low = (bound.low - bound.constant) * scale + tighten
-        high = (bound.high - bound.constant) * scale - tighten
+        low = (bound.low - constant) * scale + tighten
+        high = (bound.high - constant) * scale - tighten
         if low > high:
             low = high = 0.5 * (low + high)
         self.add(label, low, high, out, lin)

@@ -26,6 +26,7 @@ class Bounds(Parameters):
         torso_yaw: largest turn against the support foot, rad.
         foot_tilt: largest roll and yaw of the swing foot, rad.
         foot_gap: smallest lateral distance between the soles' edges, m.
+        clearance: height that the swing sole reaches by the middle of its swing, m; it rises and falls smoothly.
         torque: share of the card's torque limits that may be used.
         velocity: share of the card's velocity limits that may be used.
     """
@@ -40,6 +41,7 @@ class Bounds(Parameters):
     torso_yaw: Angle = 0.15
     foot_tilt: Angle = 0.02
     foot_gap: NonNegative = 0.02
+    clearance: NonNegative = 0.005
     torque: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
     velocity: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
 

@@ -71,7 +71,9 @@ class Transcription:
                 self._wrench_first[index] = size
                 size += 6 * (WRENCH_DEGREE + 1)
         self.size = size
-        self.bounds: list[list[Bound]] = [phase_bounds(biped, settings.bounds, phase) for phase in motion.phases]
+        self.bounds: list[list[Bound]] = [
+            phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
+        ]
         self.pivots = np.array([pivot_of(biped, phase) for phase in motion.phases])
 
     def points(self) -> Points:
@@ -104,6 +106,11 @@ class Transcription:
                 section.append(min(max(self.spline.section_at(t), self.first_section[index]), last))
                 time.append(t)
         return Points(np.array(phase), np.array(section), np.array(time), np.zeros(len(time)))
+
+    def share(self, phase: int, times: Array) -> Array:
+        """Normalised time in a phase, 0 to 1."""
+        start = self.motion.borders[phase]
+        return np.asarray(np.clip((times - start) / self.motion.phases[phase].duration, 0.0, 1.0))
 
     def wrench_columns(self, phase: int) -> Indices:
         """(6, 4) unknowns that hold the Bernstein coefficients of u in a phase of double support."""

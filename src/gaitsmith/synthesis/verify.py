@@ -199,9 +199,9 @@ def verify(
         o, z, found = recorder.outputs(times, verdict)
         edge_states.append((found[0], found[-1]))
         ends[index] = (o[:, 0], o[:, -1])
-        items = phase_bounds(biped, bounds, phase)
-        merge(verdict.worst, phase, items, times, BoundTable(recorder.layout, items).values(o, z))
-        _feet(verdict, biped, phase, o, recorder.layout)
+        items = phase_bounds(biped, bounds, gait.motion, index)
+        merge(verdict.worst, phase, items, times, BoundTable(recorder.layout, items).values(o, z, np.linspace(0.0, 1.0, dense)))
+        _feet(verdict, biped, gait, index, o, recorder.layout)
         wrench = gait.wrenches(index, times)
         verdict.hull_margin = min(verdict.hull_margin, 1e3 * hull_margin(biped, phase, wrench))
         if report is not None:
@@ -218,8 +218,9 @@ def verify(
     return verdict
 
 
-def _feet(verdict: Verdict, biped: Biped, phase: Phase, o: Array, layout: Layout) -> None:
+def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layout: Layout) -> None:
     """Penetration, clearance and ZMP margin of one phase."""
+    phase = gait.motion.phases[index]
     sole, pivot = biped.leg("left").sole, pivot_of(biped, phase)[0]
     lowest = np.full(o.shape[1], np.inf)
     for x in (-sole.heel, sole.toe):
@@ -229,7 +230,10 @@ def _feet(verdict: Verdict, biped: Biped, phase: Phase, o: Array, layout: Layout
     verdict.penetration = max(verdict.penetration, -1e3 * float(lowest.min()))
     if phase.double:
         return
-    middle = lowest[len(lowest) // 2 :] if "up" in phase.name else lowest[: len(lowest) // 2]
+    count = len(lowest)
+    begin = count // 2 if gait.motion.lifts(index) else 0
+    end = count // 2 if gait.motion.lands(index) else count
+    middle = lowest[begin : max(end, begin + 1)]
     verdict.clearance = min(verdict.clearance, 1e3 * float(middle.min()))
     fz = o[layout.force + 2]
     x, y = -o[layout.moment + 1] / fz, o[layout.moment] / fz
