@@ -10,8 +10,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
+from gaitsmith.synthesis.assembly import Assembly
 from gaitsmith.synthesis.program import OBJECTIVE_SCALE, Program
 
 Array = npt.NDArray[np.float64]
@@ -47,58 +47,6 @@ class Solution:
     setup_s: float
     solve_s: float
     multipliers: Array
-
-
-def _sparse(matrix: sp.spmatrix) -> Any:
-    """A SciPy matrix as CasADi's."""
-    found = sp.csc_matrix(matrix)
-    found.sort_indices()
-    pattern = ca.Sparsity(found.shape[0], found.shape[1], found.indptr.tolist(), found.indices.tolist())
-    return ca.DM(pattern, found.data)
-
-
-def _blocks(pattern: Any, count: int) -> Any:
-    """Block-diagonal pattern with ``count`` equal blocks."""
-    return ca.diagcat(*([pattern] * count))
-
-
-def _functions(program: Program) -> tuple[Any, Any, Any, Any]:
-    """The program itself and its gradient, Jacobian and Hessian as CasADi functions."""
-    fun, layout, count = program.functions, program.functions.layout, program.points.count
-    n = layout.joints
-    x, p = ca.MX.sym("x", program.size), ca.MX.sym("p", 0)
-    B, C, D = _sparse(program.inputs), _sparse(program.outputs), _sparse(program.linear)
-    pivots = ca.DM(program.pivots)
-    weight = ca.DM(program.points.weight * OBJECTIVE_SCALE).T
-    z = ca.reshape(ca.mtimes(B, x), layout.inputs, count)
-    o = fun.value.map(count)(z, pivots)
-    torque, u = o[:n, :], z[layout.wrench :, :]
-    f = ca.dot(ca.repmat(weight, n, 1) * torque, torque)
-    f += program.wrench_weight * ca.dot(ca.repmat(weight, 6, 1) * u, u)
-    g = ca.mtimes(C, ca.vec(o)) + ca.mtimes(D, x)
-    o2, jac = fun.jacobian.map(count)(z, pivots)
-    blocks = _blocks(fun.jacobian.sparsity_out(1), count)
-    J = ca.sparsity_cast(jac, blocks)
-    slope = ca.vertcat(2 * ca.repmat(weight, n, 1) * o2[:n, :], ca.MX(layout.outputs - n, count))
-    zslope = ca.vertcat(ca.MX(layout.wrench, count), 2 * program.wrench_weight * ca.repmat(weight, 6, 1) * u)
-    grad = ca.mtimes(B.T, ca.mtimes(J.T, ca.vec(ca.densify(slope))) + ca.vec(ca.densify(zslope)))
-    g2 = ca.mtimes(C, ca.vec(o2)) + ca.mtimes(D, x)
-    jac_g = ca.mtimes(ca.mtimes(C, J), B) + D
-    lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", program.rows)
-    lam_o = ca.reshape(ca.mtimes(C.T, lam_g), layout.outputs, count)
-    lam_o = lam_o + lam_f * ca.vertcat(2 * ca.repmat(weight, n, 1) * torque, ca.MX(layout.outputs - n, count))
-    hess = fun.hessian.map(count)(z, pivots, lam_o, lam_f * weight)
-    H = ca.sparsity_cast(hess, _blocks(fun.hessian.sparsity_out(0), count))
-    u_part = np.zeros((layout.inputs, count))
-    u_part[layout.wrench :, :] = 2 * program.wrench_weight * np.asarray(program.points.weight) * OBJECTIVE_SCALE
-    constant = _sparse(program.inputs.T @ sp.diags(u_part.T.ravel()) @ program.inputs)
-    full = ca.mtimes(ca.mtimes(B.T, H), B) + lam_f * constant
-    return (
-        {"x": x, "f": f, "g": g},
-        ca.Function("nlp_grad_f", [x, p], [f, grad], ["x", "p"], ["f", "grad_f_x"]),
-        ca.Function("nlp_jac_g", [x, p], [g2, jac_g], ["x", "p"], ["g", "jac_g_x"]),
-        ca.Function("nlp_hess_l", [x, p, lam_f, lam_g], [ca.triu(full)], ["x", "p", "lam_f", "lam_g"], ["hess"]),
-    )
 
 
 class _Watch(ca.Callback):  # type: ignore[misc]
@@ -166,7 +114,7 @@ def solve_ipopt(
         KeyboardInterrupt: Ctrl-C during the solve.
     """
     begin = time.perf_counter()
-    nlp, grad, jac, hess = _functions(program)
+    assembly = Assembly(program)
     watch = _Watch(program, report, begin + time_limit)
     ipopt = {
         "print_level": 0,
@@ -182,11 +130,11 @@ def solve_ipopt(
     solver = ca.nlpsol(
         "solver",
         "ipopt",
-        nlp,
+        assembly.problem,
         {
-            "grad_f": grad,
-            "jac_g": jac,
-            "hess_lag": hess,
+            "grad_f": assembly.gradient,
+            "jac_g": assembly.jacobian,
+            "hess_lag": assembly.hessian,
             "ipopt": ipopt,
             "print_time": False,
             "no_nlp_grad": True,

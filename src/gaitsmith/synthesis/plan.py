@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,11 +23,15 @@ from gaitsmith.synthesis.motion import Motion
 from gaitsmith.synthesis.point import PointFunctions, point_functions
 from gaitsmith.synthesis.program import Pick, Program, all_picks, make_program
 from gaitsmith.synthesis.settings import Settings
+from gaitsmith.synthesis.sqp import solve_sqp
 from gaitsmith.synthesis.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
-_AIM = 0.5 * ALLOWED
-_SELDOM = ("torque", "angle", "velocity")  # imposed only where the dense grid asks for them
+_ENOUGH = 0.8 * ALLOWED
+_AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
+_SELDOM = ("torque",)  # imposed only where the dense grid asks for it
+_COLD_TOLERANCE = 1e-3  # of the first solve, when warm ones follow
+_WARM_ITERATIONS = 12
 _WARM = {
     "warm_start_init_point": "yes",
     "mu_strategy": "monotone",
@@ -55,8 +59,8 @@ class PlanResult:
         variables: unknowns.
         constraints: rows of the last program.
         worst: every constraint's worst value, the worst first.
-        x: the unknowns, for a warm start.
-        picks: the bounds imposed at the end.
+        x, picks, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
+            neighbour starts warm.
     """
 
     status: str
@@ -71,6 +75,8 @@ class PlanResult:
     worst: list[Worst]
     x: Array
     picks: list[Pick] = field(default_factory=list)
+    borders: Array = field(default_factory=lambda: np.zeros(0))
+    solution: Solution | None = None
 
     @property
     def solved(self) -> bool:
@@ -97,8 +103,8 @@ class Planner:
         self,
         motion: Motion,
         settings: Settings | None = None,
+        neighbour: PlanResult | None = None,
         start: Array | None = None,
-        picks: list[Pick] | None = None,
         report: Callable[[int, Progress], None] | None = None,
     ) -> PlanResult:
         """Solve, check on the dense grid, refine, and certify.
@@ -106,22 +112,25 @@ class Planner:
         Args:
             motion: phases and conditions.
             settings: bounds, order, tolerances.
-            start: unknowns to start from; the default start if None.
-            picks: bounds imposed from the beginning, from an earlier result.
+            neighbour: result for the same phases with nearby numbers, to start warm from.
+            start: unknowns to start cold from; the default start if None.
             report: called at every iteration with the round and the progress.
         """
         settings = settings or Settings()
         begin = time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
         base = trans.points()
-        if picks is None:
+        found: Solution | None = None
+        if neighbour is not None and len(neighbour.x) == trans.size:
+            picks = scaled_picks(neighbour.picks, neighbour.borders, motion.borders)
+            x, found = neighbour.x, neighbour.solution
+        else:
             picks = [
                 pick
                 for pick in all_picks(trans, base)
                 if not trans.bounds[pick.phase][pick.bound].name.endswith(_SELDOM)
             ]
-        warm = start is not None
-        x = default_start(trans) if start is None else start
+            x = default_start(trans) if start is None else start
         times = {"setup": 0.0, "compile": self.functions.compile_s, "solve": 0.0, "check": 0.0}
         iterations, rounds = 0, 0
         deadline = begin + settings.time_limit
@@ -130,7 +139,7 @@ class Planner:
             clock = time.perf_counter()
             points = with_times(trans, base, picks)
             program = make_program(trans, self.functions, points, picks)
-            found = self._solve(program, x, settings, deadline, warm or rounds > 0, rounds, report)
+            found = self._solve(program, found, x, settings, deadline, rounds, report)
             iterations += found.iterations
             x = found.x
             times["setup"] += found.setup_s
@@ -142,7 +151,8 @@ class Planner:
                 status: str, reason: str, worst: list[Worst], gait: Gait | None = None, J: float = objective
             ) -> PlanResult:
                 return PlanResult(
-                    status, reason, gait, J, iterations, rounds, times, trans.size, program.rows, worst, x, picks
+                    status, reason, gait, J, iterations, rounds, times, trans.size, program.rows, worst, x, picks,
+                    motion.borders, found,
                 )
 
             if not found.solved:
@@ -151,7 +161,7 @@ class Planner:
             checks = check(trans, self.functions, x, settings.dense)
             times["check"] += time.perf_counter() - clock
             beyond = worst_violation(checks)
-            if beyond <= _AIM or (rounds >= settings.refinements and beyond <= ALLOWED):
+            if beyond <= _ENOUGH:
                 break
             if rounds >= settings.refinements or time.perf_counter() > deadline:
                 worst = certificate(trans, checks)
@@ -169,22 +179,27 @@ class Planner:
     def _solve(
         self,
         program: Program,
+        last: Solution | None,
         x: Array,
         settings: Settings,
         deadline: float,
-        warm: bool,
         rounds: int,
         report: Callable[[int, Progress], None] | None,
     ) -> Solution:
-        return solve_ipopt(
-            program,
-            x,
-            settings.tolerance,
-            settings.max_iterations,
-            max(deadline - time.perf_counter(), 0.01),
-            None if report is None else lambda progress: report(rounds, progress),
-            _WARM if warm else None,
-        )
+        """Warm from the last solution if there is one, else (or if that fails) cold."""
+        tell = None if report is None else lambda progress: report(rounds, progress)
+        if last is not None:
+            multipliers = np.zeros(program.rows)
+            count = min(program.rows, len(last.multipliers))
+            multipliers[:count] = last.multipliers[:count]
+            found = solve_sqp(program, x, multipliers, _WARM_ITERATIONS, deadline, tell)
+            if found.solved or time.perf_counter() > deadline:
+                return found
+        left = max(deadline - time.perf_counter(), 0.01)
+        tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
+        options = _WARM if last is not None else None
+        cold = solve_ipopt(program, x, tolerance, settings.max_iterations, left, tell, options)
+        return cold if last is None else replace(cold, iterations=cold.iterations + found.iterations)
 
     def _gait(self, trans: Transcription, x: Array, worst: list[Worst], found: Solution, objective: float) -> Gait:
         """The gait in the robot's own order and world axes."""
@@ -219,3 +234,13 @@ def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
     for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values)
     return ranked(found)
+
+
+def scaled_picks(picks: list[Pick], old: Array, new: Array) -> list[Pick]:
+    """Picks of one motion at the same shares of the phases of another."""
+    found = []
+    for pick in picks:
+        share = (pick.time - old[pick.phase]) / (old[pick.phase + 1] - old[pick.phase])
+        time = new[pick.phase] + share * (new[pick.phase + 1] - new[pick.phase])
+        found.append(Pick(pick.phase, pick.bound, float(time), pick.tighten))
+    return found
