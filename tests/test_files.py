@@ -64,7 +64,7 @@ def test_new_folder_is_new(tmp_path: Path) -> None:
     folder = new_folder(tmp_path / "a" / "b")
     assert folder.is_dir()
     assert folder.is_absolute()
-    with pytest.raises(BadInput, match="--out: .*does not exist yet"):
+    with pytest.raises(BadInput, match=r"--out: .*does not exist yet"):
         new_folder(folder)
     (tmp_path / "file").write_text("x")
     for path in (tmp_path / "file", tmp_path / "file" / "below", "/proc/nowhere", "nul\0", "n" * 5000):

@@ -96,7 +96,7 @@ WORDS = st.one_of(
 )
 
 
-@settings(max_examples=1000)
+@settings(max_examples=300)
 @given(st.lists(WORDS, max_size=8))
 def test_random_words_parse_or_are_refused_in_one_line(words: list[str]) -> None:
     try:

@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,6 +12,7 @@ import pytest
 
 from gaitsmith.cli import dispatch
 from gaitsmith.cli.dispatch import Command, Outcome, main
+from gaitsmith.cli.printing import Printer
 from gaitsmith.errors import BadInput, CacheRefused
 
 LEAVES = sorted(dispatch.COMMANDS)
@@ -107,15 +107,16 @@ def test_every_command_has_help(path: tuple[str, ...], capsys: pytest.CaptureFix
     assert "--json" in capsys.readouterr().out
 
 
-def test_a_reader_that_leaves_is_no_error(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reader_that_leaves_changes_no_exit_code(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     class Closed(io.StringIO):
         def write(self, text: str) -> int:
             raise BrokenPipeError
 
-    trial(outcome)
     monkeypatch.setattr(sys, "stdout", Closed())
-    assert main(["trial"]) == 0
-    assert main(["trial", "--json"]) == 0
+    for show in (lambda: print("a line"), lambda: Printer().print("a table")):
+        trial(lambda show=show: Outcome(1, {}, show))
+        assert main(["trial"]) == 1
+        assert main(["trial", "--json"]) == 1
 
 
 def test_help_is_fast_and_loads_no_engine() -> None:
@@ -124,12 +125,9 @@ def test_help_is_fast_and_loads_no_engine() -> None:
         "'matplotlib', 'mcap', 'joblib', 'pydantic'}; print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    best = float("inf")
-    for _ in range(4):  # the machine may be busy: the best of a few
-        started = time.perf_counter()
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
-        best = min(best, time.perf_counter() - started)
-        assert done.stderr.strip() == "[]"
-        if best < HELP_SECONDS:
-            break
-    assert best < HELP_SECONDS
+    before = os.times()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    after = os.times()
+    assert done.stderr.strip() == "[]"
+    # Processor time: what a free core takes, however busy the machine is.
+    assert after.children_user + after.children_system - before.children_user - before.children_system < HELP_SECONDS

@@ -169,7 +169,7 @@ def test_names_and_paths(tmp_path: Path) -> None:
     (tmp_path / "copy" / "bhr_b2.xml").write_text(text.replace("<mujoco", "<!-- a change --><mujoco"))
     assert load_robot(tmp_path / "copy").content_hash != robot.content_hash
     for unknown in ("asimo", "", ".", "nul\0", "x" * 5000, tmp_path, tmp_path / "copy" / "bhr_b2.xml", "../bhr_b2"):
-        with pytest.raises(BadInput, match="^robot: .*bhr_b2"):
+        with pytest.raises(BadInput, match=r"^robot: .*bhr_b2"):
             load_robot(unknown)
 
 

@@ -79,7 +79,7 @@ def test_paths_stay_below_the_card(tmp_path: Path) -> None:
     ]
     bad += ["loop.xml", "pipe.xml", "", ".", "none.xml", "nul\0", "C:\\x.xml", "a\nb", "x" * 5000]
     for name in bad:
-        with pytest.raises(BadInput, match="^here: got ") as caught:
+        with pytest.raises(BadInput, match=r"^here: got ") as caught:
             folder.read(name, "here")
         assert "\n" not in str(caught.value)
 

@@ -137,6 +137,15 @@ def test_a_massless_world_link_is_the_world(bhr: Robot, tmp_path: Path) -> None:
     assert build_urdf(root, tmp_path).mass == pytest.approx(bhr.mass)
 
 
+def test_warnings_of_the_engine_are_notes(bhr: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    root = as_urdf(bhr)
+    for limit in root.iter("limit"):
+        limit.set("upper", limit.get("lower", ""))
+    assert any("equal lower and upper limits" in note for note in build_urdf(root, tmp_path).notes)
+    assert [path.name for path in tmp_path.iterdir()] == ["model.xml"]
+
+
 def edited(root: Element, case: str) -> None:
     """Change a good URDF into a bad one."""
     knee = next(joint for joint in root.findall("joint") if joint.get("name") == "left_knee")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import MISSING, fields
+from dataclasses import fields
 from typing import Any, NoReturn, TypeVar, cast
 
 import tyro
@@ -25,20 +25,22 @@ _Arguments = TypeVar("_Arguments")
 _Spec = PrimitiveConstructorSpec[Any]
 
 
-def _spec(read: Callable[[list[str]], Any], metavar: str, count: int | tuple[int, ...] = 1) -> _Spec:
-    """How tyro reads one option; ``read`` gets the words given and raises BadInput itself."""
+def _spec(
+    read: Callable[[list[str]], Any], metavar: str, count: int | tuple[int, ...] = 1, absent: str = "scenario"
+) -> _Spec:
+    """How tyro reads one option; ``read`` gets the words given, ``absent`` is what the help calls a default of None."""
     return PrimitiveConstructorSpec(
         nargs=count,
         metavar=metavar,
         instance_from_str=read,
         is_instance=lambda _: True,
-        str_from_instance=lambda value: ["scenario"] if value is None else [str(value)],
+        str_from_instance=lambda value: [absent] if value is None else [str(value)],
     )
 
 
-def number(flag: str, metavar: str) -> _Spec:
+def number(flag: str, metavar: str, absent: str = "scenario") -> _Spec:
     """An option that takes one finite number."""
-    return _spec(lambda words: _finite(flag, words[0], f"a number ({metavar})"), metavar)
+    return _spec(lambda words: _finite(flag, words[0], f"a number ({metavar})"), metavar, absent=absent)
 
 
 def numbers(flag: str, metavar: str, counts: tuple[int, ...], remedy: str) -> _Spec:
@@ -67,7 +69,7 @@ def integer(flag: str, metavar: str, least: int) -> _Spec:
     return _spec(read, metavar)
 
 
-def text(flag: str, metavar: str) -> _Spec:
+def text(flag: str, metavar: str, absent: str = "scenario") -> _Spec:
     """An option that takes one word, which may not be empty."""
 
     def read(words: list[str]) -> str:
@@ -75,7 +77,7 @@ def text(flag: str, metavar: str) -> _Spec:
             raise BadInput(flag, words[0], metavar)
         return words[0]
 
-    return _spec(read, metavar)
+    return _spec(read, metavar, absent=absent)
 
 
 def choice(flag: str, choices: Sequence[str]) -> _Spec:
@@ -159,12 +161,3 @@ def _nearest(word: str, choices: Sequence[str]) -> str:
     """A hint at what may have been meant."""
     close = difflib.get_close_matches(word, choices, n=1)
     return f"did you mean {close[0]}?" if close else ""
-
-
-def given(arguments: Any) -> dict[str, Any]:
-    """Fields of a parsed command line that differ from their defaults."""
-    return {
-        field.name: getattr(arguments, field.name)
-        for field in fields(arguments)
-        if field.default is MISSING or getattr(arguments, field.name) != field.default
-    }

@@ -28,12 +28,12 @@ class Outcome:
 
     Attributes:
         code: the exit code.
-        document: what ``--json`` prints, None if only :attr:`show` has something to say.
+        document: what ``--json`` prints.
         show: prints the same for people; called without ``--json`` only.
     """
 
     code: int
-    document: dict[str, Any] | None
+    document: dict[str, Any]
     show: Callable[[], None]
 
 
@@ -69,21 +69,22 @@ def main(words: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if words is None else words)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
-    out = sys.stdout
+    out, code = sys.stdout, DONE
     try:
         with contextlib.redirect_stdout(sys.stderr) if wants_json else contextlib.nullcontext():
             outcome = _run(words)
-            if not wants_json:
-                outcome.show()
+        code = outcome.code
         if wants_json:
-            _print_json(outcome.document or {}, out)
+            _print_json(outcome.document, out)
+        else:
+            outcome.show()
         out.flush()
-        return outcome.code
+        return code
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else DONE
     except BrokenPipeError:
         _discard(out)
-        return DONE
+        return code
     except KeyboardInterrupt:
         return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
     except BadInput as error:

@@ -13,12 +13,22 @@ from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
 from gaitsmith.control._qp_storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
+    FORCE,
+    GAP,
+    HIGH,
     INFEASIBLE,
     INFEASIBLE_TOLERANCE,
     ITERATION_LIMIT,
+    LOW,
+    METRIC,
+    MULTIPLIER,
+    NORMAL,
     NOT_CONVEX,
     OPTIMAL,
     PRIMAL_TOLERANCE,
+    SIDE,
+    SLOPE,
+    STEP,
     QuadraticProgram,
 )
 
@@ -126,38 +136,29 @@ def _remove(
 
 
 @kernel
-def _limit(qp: QuadraticProgram, k: int, sign: float) -> float:
-    """The limit of constraint k on the side of ``sign`` (+1 lower, -1 upper)."""
-    base = qp.gradient.shape[0]
-    if k < base:
-        return qp.lower[k] if sign > 0.0 else qp.upper[k]  # type: ignore[no-any-return]
-    return qp.row_lower[k - base] if sign > 0.0 else qp.row_upper[k - base]  # type: ignore[no-any-return]
-
-
-@kernel
-def _hold(qp: QuadraticProgram, q: int) -> None:
+def _hold(
+    gradient: Vector, basis: Matrix, triangle: Matrix, vectors: Matrix, working: IntVector, x: Vector, n: int, q: int
+) -> None:
     """Solution and multipliers held by the working set of q constraints."""
-    n = qp.size[0]
-    basis, triangle = qp.squares[1], qp.squares[2]
-    slope, target, u, sides = qp.vectors[3], qp.vectors[4], qp.vectors[8], qp.vectors[9]
-    working, x = qp.indices[0], qp.solution
+    slope, target, u, sides = vectors[SLOPE], vectors[GAP], vectors[MULTIPLIER], vectors[SIDE]
+    for p in range(n):
+        x[p] = 0.0
     for i in range(n):
         total = 0.0
         for p in range(n):
-            total += basis[i, p] * qp.gradient[p]
+            total += basis[i, p] * gradient[p]
         slope[i] = total
     for j in range(q):
-        total = sides[j] * _limit(qp, working[j], sides[j])
-        for k in range(j):
-            total -= triangle[j, k] * target[k]
+        k = working[j]
+        total = vectors[LOW, k] if sides[j] > 0.0 else -vectors[HIGH, k]
+        for p in range(j):
+            total -= triangle[j, p] * target[p]
         target[j] = total / triangle[j, j]
         u[j] = target[j] + slope[j]
     for j in range(q - 1, -1, -1):
         u[j] /= triangle[j, j]
         for k in range(j):
             u[k] -= triangle[j, k] * u[j]
-    for p in range(n):
-        x[p] = 0.0
     for i in range(n):
         share = target[i] if i < q else -slope[i]
         for p in range(n):
@@ -168,36 +169,35 @@ def _hold(qp: QuadraticProgram, q: int) -> None:
 def _seed(qp: QuadraticProgram) -> int:
     """Working set from the equalities and the stored active set, dual feasible; returns its size."""
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    basis, triangle = qp.squares[1], qp.squares[2]
-    metric, sweep, d, u, sides = qp.vectors[0], qp.vectors[5], qp.vectors[7], qp.vectors[8], qp.vectors[9]
-    working, kind = qp.indices[0], qp.indices[2]
+    basis, triangle, vectors = qp.squares[1], qp.squares[2], qp.vectors
+    low, high, d, u = vectors[LOW], vectors[HIGH], vectors[NORMAL], vectors[MULTIPLIER]
+    sides, working, kind = vectors[SIDE], qp.indices[0], qp.indices[2]
     q = 0
-    for equalities in (True, False):
+    for turn in range(2):
         for i in range(n + m):
             k = i if i < n else base + i - n
-            equal = _limit(qp, k, 1.0) == _limit(qp, k, -1.0)
-            if equalities:
+            equal = low[k] == high[k]
+            if turn == 0:
                 kind[k] = _FREE
-            if equal != equalities or (not equal and qp.active[k] == 0) or q == n:
+            if equal != (turn == 0) or (not equal and qp.active[k] == 0) or q == n:
                 continue
             sign = -1.0 if qp.active[k] > 0 else 1.0
-            if not abs(_limit(qp, k, sign)) < np.inf:
+            if not abs(low[k] if sign > 0.0 else high[k]) < np.inf:
                 continue
             norm = _project(qp.rows, basis, n, base, k, sign, d)
             tail = 0.0
             for p in range(q, n):
                 tail += d[p] * d[p]
-            if tail <= DEPENDENT * DEPENDENT * norm:
-                continue
-            _append(basis, triangle, d, sweep, n, q)
-            working[q], sides[q] = k, sign
-            kind[k] = _EQUALITY if equal else _INEQUALITY
-            q += 1
+            if tail > DEPENDENT * DEPENDENT * norm:
+                _append(basis, triangle, d, vectors[STEP], n, q)
+                working[q], sides[q] = k, sign
+                kind[k] = _EQUALITY if equal else _INEQUALITY
+                q += 1
     while True:
-        _hold(qp, q)
+        _hold(qp.gradient, basis, triangle, vectors, working, qp.solution, n, q)
         worst, at = 0.0, -1
         for j in range(q):
-            scaled = u[j] / metric[working[j]]
+            scaled = u[j] / vectors[METRIC, working[j]]
             if kind[working[j]] == _INEQUALITY and scaled < worst:
                 worst, at = scaled, j
         if at < 0:
@@ -208,31 +208,28 @@ def _seed(qp: QuadraticProgram) -> int:
 
 
 @kernel
-def _most_violated(qp: QuadraticProgram, unit: float) -> tuple[int, float, float]:
+def _most_violated(
+    rows: Matrix, vectors: Matrix, kind: IntVector, x: Vector, n: int, m: int, unit: float
+) -> tuple[int, float, float]:
     """Constraint outside the working set with the largest scaled violation, its side, and that violation."""
-    n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    metric, kind, x = qp.vectors[0], qp.indices[2], qp.solution
+    metric, low, high = vectors[METRIC], vectors[LOW], vectors[HIGH]
+    base = x.shape[0]
     chosen, side, worst = -1, 0.0, PRIMAL_TOLERANCE * unit
-    for i in range(n):
-        if kind[i] == _FREE:
-            below = (qp.lower[i] - x[i]) * metric[i]
-            above = (x[i] - qp.upper[i]) * metric[i]
-            if below > worst:
-                chosen, side, worst = i, 1.0, below
-            if above > worst:
-                chosen, side, worst = i, -1.0, above
-    for j in range(m):
-        k = base + j
-        if kind[k] == _FREE:
-            total = 0.0
-            for i in range(n):
-                total += qp.rows[j, i] * x[i]
-            below = (qp.row_lower[j] - total) * metric[k]
-            above = (total - qp.row_upper[j]) * metric[k]
-            if below > worst:
-                chosen, side, worst = k, 1.0, below
-            if above > worst:
-                chosen, side, worst = k, -1.0, above
+    for i in range(n + m):
+        k = i if i < n else base + i - n
+        if kind[k] != _FREE:
+            continue
+        if i < n:
+            value = x[k]
+        else:
+            value = 0.0
+            for p in range(n):
+                value += rows[k - base, p] * x[p]
+        below, above = (low[k] - value) * metric[k], (value - high[k]) * metric[k]
+        if below > worst:
+            chosen, side, worst = k, 1.0, below
+        if above > worst:
+            chosen, side, worst = k, -1.0, above
     return chosen, side, worst
 
 
@@ -245,17 +242,10 @@ def solve_dual(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
         ``active`` describe the last working set, whatever the status (zeros if H is not positive definite).
     """
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    factor, basis, triangle = qp.squares[0], qp.squares[1], qp.squares[2]
-    metric, sweep, r, d, u, sides = (
-        qp.vectors[0],
-        qp.vectors[5],
-        qp.vectors[6],
-        qp.vectors[7],
-        qp.vectors[8],
-        qp.vectors[9],
-    )
+    basis, triangle, vectors = qp.squares[1], qp.squares[2], qp.vectors
+    metric, r, d, u, sides = vectors[METRIC], vectors[FORCE], vectors[NORMAL], vectors[MULTIPLIER], vectors[SIDE]
     working, kind, x = qp.indices[0], qp.indices[2], qp.solution
-    if not _make_basis(qp.hessian, factor, basis, n):
+    if not _make_basis(qp.hessian, qp.squares[0], basis, n):
         return NOT_CONVEX, 0
     q = _seed(qp)
     iterations = 0
@@ -264,11 +254,11 @@ def solve_dual(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
         unit = 0.0
         for i in range(n):
             unit = max(unit, abs(qp.gradient[i]) / metric[i], abs(x[i]) * metric[i])
-        entering, side, worst = _most_violated(qp, unit)
+        entering, side, worst = _most_violated(qp.rows, vectors, kind, x, n, m, unit)
         if entering < 0:
             break
         gain = 0.0
-        equal = _limit(qp, entering, 1.0) == _limit(qp, entering, -1.0)
+        equal = vectors[LOW, entering] == vectors[HIGH, entering]
         while True:
             iterations += 1
             if iterations > iteration_limit:
@@ -312,7 +302,7 @@ def solve_dual(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
                         x[p] += share * basis[k, p]
                 worst = (violation - length * tail) * metric[entering]
             if step <= partial:
-                _append(basis, triangle, d, sweep, n, q)
+                _append(basis, triangle, d, vectors[STEP], n, q)
                 working[q], sides[q], u[q] = entering, side, gain
                 kind[entering] = _EQUALITY if equal else _INEQUALITY
                 q += 1
@@ -322,7 +312,7 @@ def solve_dual(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
             q -= 1
 
     if status == OPTIMAL:
-        _hold(qp, q)
+        _hold(qp.gradient, basis, triangle, vectors, working, x, n, q)
     for i in range(n + m):
         k = i if i < n else base + i - n
         qp.active[k] = 0

@@ -8,15 +8,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from gaitsmith.compiled import kernel
+from gaitsmith.compiled import IntVector, Matrix, kernel
 from gaitsmith.control._qp_storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
+    FORCE,
+    FULL,
+    GAP,
+    HIGH,
     INFEASIBLE,
+    INVERSE,
+    LOW,
+    METRIC,
     NOT_CONVEX,
     NOT_FINITE,
     OPTIMAL,
     PRIMAL_TOLERANCE,
+    SLOPE,
+    STEP,
     QuadraticProgram,
 )
 
@@ -25,28 +34,26 @@ _PIVOT = 1e-14  # smallest Cholesky pivot relative to its diagonal entry: below 
 
 @kernel
 def prepare(qp: QuadraticProgram) -> int:
-    """Check the data and fill ``vectors[0]``: the inverse norm of every constraint's normal in scaled units.
+    """Check the data; gather limits of all constraints in LOW and HIGH and their scales in METRIC.
+
+    The scale of a constraint is the inverse norm of its normal in scaled units.
 
     Returns:
         OPTIMAL if a solve may start, else NOT_FINITE, NOT_CONVEX, or INFEASIBLE (crossed limits).
     """
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    metric, inverse = qp.vectors[0], qp.vectors[1]
+    metric, inverse, low, high = qp.vectors[METRIC], qp.vectors[INVERSE], qp.vectors[LOW], qp.vectors[HIGH]
     poison = 0.0
-    positive = True
-    crossed = False
+    convex = True
     for i in range(n):
         diagonal = qp.hessian[i, i]
-        positive = positive and diagonal > 0.0
+        convex = convex and not diagonal <= 0.0
         metric[i] = np.sqrt(diagonal)
         inverse[i] = 1.0 / metric[i]
         poison += 0.0 * qp.gradient[i]
         for k in range(n):
             poison += 0.0 * qp.hessian[i, k]
-        low, high = qp.lower[i], qp.upper[i]
-        if not (low < np.inf and high > -np.inf):
-            poison = np.nan
-        crossed = crossed or low > high
+        low[i], high[i] = qp.lower[i], qp.upper[i]
     for j in range(m):
         total = 0.0
         for i in range(n):
@@ -54,28 +61,24 @@ def prepare(qp: QuadraticProgram) -> int:
             total += entry * entry
         poison += 0.0 * total
         metric[base + j] = 1.0 / np.sqrt(total) if total > 0.0 else 1.0
-        low, high = qp.row_lower[j], qp.row_upper[j]
-        if not (low < np.inf and high > -np.inf):
-            poison = np.nan
-        crossed = crossed or low > high
-    if not positive:
-        for i in range(n):
-            if qp.hessian[i, i] != qp.hessian[i, i]:
-                return NOT_FINITE
+        low[base + j], high[base + j] = qp.row_lower[j], qp.row_upper[j]
+    if not convex:
         return NOT_CONVEX
     if poison != 0.0:
         return NOT_FINITE
+    crossed = False
+    for i in range(n + m):
+        k = i if i < n else base + i - n
+        if not (low[k] < np.inf and high[k] > -np.inf):
+            return NOT_FINITE
+        crossed = crossed or low[k] > high[k]
     return INFEASIBLE if crossed else OPTIMAL
 
 
 @kernel
-def _kkt_step(qp: QuadraticProgram, free: int, held: int) -> None:
-    """Solve for the free variables and the active rows' multipliers from the residuals in vectors[3] and vectors[4].
-
-    On return vectors[5][:free] is the change of x and vectors[6][:held] that of the multipliers.
-    """
-    factor, normals, schur = qp.squares[0], qp.normals, qp.schur
-    slope, gap, step, force = qp.vectors[3], qp.vectors[4], qp.vectors[5], qp.vectors[6]
+def _kkt_step(factor: Matrix, normals: Matrix, schur: Matrix, vectors: Matrix, free: int, held: int) -> None:
+    """Change of the free variables (STEP) and of the active rows' multipliers (FORCE) that ends SLOPE and GAP."""
+    slope, gap, step, force = vectors[SLOPE], vectors[GAP], vectors[STEP], vectors[FORCE]
     for i in range(free):
         total = slope[i]
         for k in range(i):
@@ -106,18 +109,26 @@ def _kkt_step(qp: QuadraticProgram, free: int, held: int) -> None:
 
 
 @kernel
-def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
+def _factorise(
+    hessian: Matrix,
+    rows: Matrix,
+    variables: IntVector,
+    members: IntVector,
+    factor: Matrix,
+    normals: Matrix,
+    schur: Matrix,
+    free: int,
+    held: int,
+) -> bool:
     """Cholesky factors of H_FF and of V Vᵀ, with inverted diagonals; False if one has no full rank."""
-    factor, normals, schur = qp.squares[0], qp.normals, qp.schur
-    variables, members = qp.indices[0], qp.indices[1]
     for i in range(free):
         row = variables[i]
         for k in range(i):
-            total = qp.hessian[row, variables[k]]
+            total = hessian[row, variables[k]]
             for p in range(k):
                 total -= factor[i, p] * factor[k, p]
             factor[i, k] = total * factor[k, k]
-        diagonal = qp.hessian[row, row]
+        diagonal = hessian[row, row]
         total = diagonal
         for p in range(i):
             total -= factor[i, p] * factor[i, p]
@@ -127,7 +138,7 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
     for j in range(held):
         row = members[j]
         for i in range(free):
-            total = qp.rows[row, variables[i]]
+            total = rows[row, variables[i]]
             for p in range(i):
                 total -= factor[i, p] * normals[j, p]
             normals[j, i] = total * factor[i, i]
@@ -156,38 +167,35 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     """
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
     variables, members = qp.indices[0], qp.indices[1]
-    metric, full = qp.vectors[0], qp.vectors[2]
-    slope, gap, step, force = qp.vectors[3], qp.vectors[4], qp.vectors[5], qp.vectors[6]
+    factor, vectors = qp.squares[0], qp.vectors
+    metric, low, high, full = vectors[METRIC], vectors[LOW], vectors[HIGH], vectors[FULL]
+    slope, gap, step, force = vectors[SLOPE], vectors[GAP], vectors[STEP], vectors[FORCE]
     x, y, active = qp.solution, qp.multipliers, qp.active
     free = held = 0
     for i in range(n):
         side = active[i]
         y[i] = 0.0
-        if qp.lower[i] == qp.upper[i] or (side < 0 and qp.lower[i] > -np.inf):
-            x[i] = qp.lower[i]
-        elif side > 0 and qp.upper[i] < np.inf:
-            x[i] = qp.upper[i]
+        if low[i] == high[i] or (side < 0 and low[i] > -np.inf):
+            x[i] = low[i]
+        elif side > 0 and high[i] < np.inf:
+            x[i] = high[i]
         else:
             x[i] = 0.0
             variables[free] = i
             free += 1
     for j in range(m):
-        side = active[base + j]
-        y[base + j] = 0.0
-        if (
-            qp.row_lower[j] == qp.row_upper[j]
-            or (side < 0 and qp.row_lower[j] > -np.inf)
-            or (side > 0 and qp.row_upper[j] < np.inf)
-        ):
+        k = base + j
+        side = active[k]
+        y[k] = 0.0
+        if low[k] == high[k] or (side < 0 and low[k] > -np.inf) or (side > 0 and high[k] < np.inf):
             members[held] = j
             held += 1
-            if held > free:
-                return False
-    if not _factorise(qp, free, held):
+    if held > free or not _factorise(qp.hessian, qp.rows, variables, members, factor, qp.normals, qp.schur, free, held):
         return False
 
+    unit = worst = 0.0
     for attempt in range(4):
-        unit = 0.0
+        unit = worst = 0.0
         for i in range(n):
             total = qp.gradient[i]
             for k in range(n):
@@ -203,19 +211,17 @@ def accept_guess(qp: QuadraticProgram) -> bool:
             for i in range(n):
                 total += qp.rows[j, i] * x[i]
             full[base + j] = total
-        worst = 0.0
         for i in range(free):
             slope[i] = full[variables[i]]
             worst = max(worst, abs(slope[i]) / metric[variables[i]])
         for k in range(held):
-            row = members[k]
-            at_upper = active[base + row] > 0 and qp.row_upper[row] < np.inf
-            limit = qp.row_upper[row] if at_upper else qp.row_lower[row]
-            gap[k] = limit - full[base + row]
-            worst = max(worst, abs(gap[k]) * metric[base + row])
+            at = base + members[k]
+            limit = high[at] if active[at] > 0 and high[at] < np.inf else low[at]
+            gap[k] = limit - full[at]
+            worst = max(worst, abs(gap[k]) * metric[at])
         if worst <= 0.1 * DUAL_TOLERANCE * unit or attempt == 3:
             break
-        _kkt_step(qp, free, held)
+        _kkt_step(factor, qp.normals, qp.schur, vectors, free, held)
         for i in range(free):
             x[variables[i]] += step[i]
         for k in range(held):
@@ -223,27 +229,14 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     if not worst <= DUAL_TOLERANCE * unit:
         return False
 
-    for i in range(n):
-        low, high = qp.lower[i], qp.upper[i]
-        slack = PRIMAL_TOLERANCE * unit / metric[i]
-        if not low - slack <= x[i] <= high + slack:
-            return False
-        if low < high:
-            if active[i] < 0 and low > -np.inf:
-                y[i] = full[i]
-                if y[i] < -DUAL_TOLERANCE * unit * metric[i]:
-                    return False
-            elif active[i] > 0 and high < np.inf:
-                y[i] = full[i]
-                if y[i] > DUAL_TOLERANCE * unit * metric[i]:
-                    return False
-        else:
-            y[i] = full[i]
-    for j in range(m):
-        k = base + j
+    for i in range(n + m):
+        k = i if i < n else base + i - n
+        value = x[k] if i < n else full[k]
         slack = PRIMAL_TOLERANCE * unit / metric[k]
-        if not qp.row_lower[j] - slack <= full[k] <= qp.row_upper[j] + slack:
+        if not low[k] - slack <= value <= high[k] + slack:
             return False
-        if qp.row_lower[j] < qp.row_upper[j] and active[k] * y[k] > DUAL_TOLERANCE * unit * metric[k]:
+        if i < n and (low[k] == high[k] or active[k] != 0):
+            y[k] = full[k]
+        if low[k] < high[k] and active[k] * y[k] > DUAL_TOLERANCE * unit * metric[k]:
             return False
     return True

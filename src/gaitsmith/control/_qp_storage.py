@@ -24,6 +24,12 @@ INFEASIBLE_TOLERANCE = 1e-7
 
 MAX_VARIABLES = 1000
 
+# Rows of ``vectors``. The guess and the dual method share some: neither keeps anything there for the other.
+METRIC, LOW, HIGH, INVERSE, FULL = 0, 1, 2, 3, 4
+SLOPE, GAP, STEP, FORCE = 5, 6, 7, 8
+NORMAL, MULTIPLIER, SIDE = 9, 10, 11
+KEPT_SOLUTION, KEPT_MULTIPLIERS = 12, 13
+
 
 class QuadraticProgram(NamedTuple):
     """minimise ½ xᵀH x + gᵀx subject to lower ≤ x ≤ upper and row_lower ≤ A x ≤ row_upper.
@@ -45,7 +51,7 @@ class QuadraticProgram(NamedTuple):
             A fixed variable or an equality row is marked by the sign of its multiplier. Zeros are a cold start.
         size: (2), variables and rows in use.
         squares: scratch (3, n, n): Cholesky factor, basis, triangle.
-        vectors: scratch (12, n + m).
+        vectors: scratch (14, n + m), rows named below.
         indices: scratch (3, n + m).
         normals: scratch (m, n).
         schur: scratch (m, m).
@@ -92,7 +98,7 @@ def make_quadratic_program(n: int, m: int) -> QuadraticProgram:
         active=np.zeros(n + m, dtype=np.int64),
         size=np.array([n, m], dtype=np.int64),
         squares=np.zeros((3, n, n)),
-        vectors=np.zeros((12, n + m)),
+        vectors=np.zeros((14, n + m)),
         indices=np.zeros((3, n + m), dtype=np.int64),
         normals=np.zeros((m, n)),
         schur=np.zeros((m, m)),

@@ -7,7 +7,7 @@ joints' own displacements times the sole's zero pose.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,9 @@ import numpy.typing as npt
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
 from gaitsmith.dynamics.tree import HINGE, SLIDE, read_tree
 from gaitsmith.errors import BadInput
-from gaitsmith.robots import Leg, Robot
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Leg, Robot
 
 Array = npt.NDArray[np.float64]
 

@@ -14,6 +14,7 @@ from gaitsmith.control._qp_dual import solve_dual
 from gaitsmith.control._qp_guess import accept_guess, prepare
 from gaitsmith.control._qp_storage import INFEASIBLE as INFEASIBLE
 from gaitsmith.control._qp_storage import ITERATION_LIMIT as ITERATION_LIMIT
+from gaitsmith.control._qp_storage import KEPT_MULTIPLIERS, KEPT_SOLUTION, METRIC
 from gaitsmith.control._qp_storage import NOT_CONVEX as NOT_CONVEX
 from gaitsmith.control._qp_storage import NOT_FINITE as NOT_FINITE
 from gaitsmith.control._qp_storage import OPTIMAL as OPTIMAL
@@ -68,14 +69,14 @@ def solve(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
     if status == OPTIMAL:
         # The reduced system of the final set is better conditioned than the path that led to it.
         for i in range(qp.size[0]):
-            qp.vectors[10, i] = qp.solution[i]
+            qp.vectors[KEPT_SOLUTION, i] = qp.solution[i]
         for k in range(qp.multipliers.shape[0]):
-            qp.vectors[11, k] = qp.multipliers[k]
+            qp.vectors[KEPT_MULTIPLIERS, k] = qp.multipliers[k]
         if not accept_guess(qp):
             for i in range(qp.size[0]):
-                qp.solution[i] = qp.vectors[10, i]
+                qp.solution[i] = qp.vectors[KEPT_SOLUTION, i]
             for k in range(qp.multipliers.shape[0]):
-                qp.multipliers[k] = qp.vectors[11, k]
+                qp.multipliers[k] = qp.vectors[KEPT_MULTIPLIERS, k]
             if not _finite(qp):
                 status = ITERATION_LIMIT
     if status != OPTIMAL:
@@ -92,7 +93,7 @@ def residual(qp: QuadraticProgram) -> float:
     stationarity, and sign and complementarity of the multipliers.
     """
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    metric = qp.vectors[0]
+    metric = qp.vectors[METRIC]
     if prepare(qp) != OPTIMAL:
         return np.inf
     unit = 1e-300

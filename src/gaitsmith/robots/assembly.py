@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 
 from gaitsmith.errors import BadInput
+from gaitsmith.robots.engine import engine_errors
 
 if TYPE_CHECKING:
     from gaitsmith.robots.card import LegCard, RobotCard
@@ -51,13 +52,11 @@ def assemble(source: ModelText, card: RobotCard, label: str) -> tuple[mujoco.MjS
     Raises:
         BadInput: the model holds something the control cannot represent, or card and model contradict each other.
     """
-    try:
+    notes = [f"left out, the plant has its own: {', '.join(source.left_out)}"] if source.left_out else []
+    with engine_errors(source.entry, notes):
         spec = mujoco.MjSpec.from_string(source.text, assets=source.meshes)
-    except Exception as error:
-        raise _rewrapped(error, source.entry) from None
     spec.compiler.fusestatic = False
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    notes = [f"left out, the plant has its own: {', '.join(source.left_out)}"] if source.left_out else []
     for body in spec.bodies:
         body.name = body.name or _unused(spec.bodies, "body")
     _root(spec, card, label, source.entry, notes)
@@ -75,21 +74,16 @@ def assemble(source: ModelText, card: RobotCard, label: str) -> tuple[mujoco.MjS
     return spec, tuple(notes)
 
 
-def compiled(spec: mujoco.MjSpec, entry: str) -> mujoco.MjModel:
-    """The compiled model.
+def compiled(spec: mujoco.MjSpec, entry: str) -> tuple[mujoco.MjModel, tuple[str, ...]]:
+    """The compiled model, and MuJoCo's warnings.
 
     Raises:
         BadInput: MuJoCo refuses it; its message in one line.
     """
-    try:
-        return spec.compile()
-    except Exception as error:
-        raise _rewrapped(error, entry) from None
-
-
-def _rewrapped(error: Exception, entry: str) -> BadInput:
-    message = " ".join(str(error).split()).removeprefix("XML ").removeprefix("Error: ")
-    return BadInput(entry, "a model that MuJoCo refuses", "a valid model", message)
+    heard: list[str] = []
+    with engine_errors(entry, heard):
+        model = spec.compile()
+    return model, tuple(heard)
 
 
 def _root(spec: mujoco.MjSpec, card: RobotCard, label: str, entry: str, notes: list[str]) -> None:

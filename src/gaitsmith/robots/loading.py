@@ -70,12 +70,12 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
     else:
         raise BadInput(f"{entry}: root element", root.tag, "mujoco (MJCF) or robot (URDF)")
     spec, notes = assemble(source, card, label)
-    model = compiled(spec, entry)
+    model, heard = compiled(spec, entry)
     _check_numbers(model, entry)
     _check_mass(model, card, source, label)
     names = tuple(model.joint(joint).name for joint in range(1, model.njnt))
     if model.actuator_trnid[:, 0].tolist() != list(range(1, model.njnt)):
-        raise BadInput(f"{entry}: joints", names, "joints in the order of their bodies")
+        raise BadInput(f"{entry}: joints", list(names), "joints in the order of their bodies")
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     torso = model.body(card.torso).id
@@ -91,7 +91,7 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
         content_hash=folder.digest(content),
         mass=float(model.body_mass.sum()),
         model=model,
-        notes=notes,
+        notes=notes + heard,
         joint_names=names,
         joint_dofs=_indices(model.jnt_dofadr[1:]),
         actuators=_indices(np.arange(len(names))),

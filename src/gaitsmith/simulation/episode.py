@@ -214,7 +214,7 @@ class Simulation:
             self._wall += perf_counter() - began
             if collecting:
                 gc.enable()
-        if progress is not None:
+        if progress is not None and not self.interrupted:
             progress(self.time)
         return Episode(self.summary(), self.log(), self.interrupted)
 

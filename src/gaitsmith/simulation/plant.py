@@ -30,6 +30,7 @@ _FOUND, _FORCE = 1, 2  # bits of a contact sensor's data field
 _FIRST, _SUM = 0, 3  # how a contact sensor reduces several contacts
 _ANY_BIT = 0x7FFFFFFF  # ground collides with every geometry that collides with anything
 _SOLREF = (0.005, 1.0)  # s, -: stiff enough that a sole sinks in less than 1 mm
+_STICTION = 0.995  # impedance of joint friction: the engine's default lets a held joint creep
 _FALLBACK_FRICTION = (0.005, 0.0001)  # torsional and rolling, unused by a contact of dimension 3
 
 
@@ -162,6 +163,12 @@ class Plant:
         self.restart_excursion()
         observe(*self._handle)
 
+    def refresh(self) -> None:
+        """Observe anew after ``q`` or ``v`` have been written to; counts and extremes go on."""
+        mujoco.mj_forward(self._model, self._data)
+        track(*self._handle)
+        observe(*self._handle)
+
     def restart_excursion(self) -> None:
         """Count the torso's excursion from where it is now."""
         self._account.extremes[1] = 0.0
@@ -274,17 +281,6 @@ class Plant:
         """Whether the state stopped being finite."""
         return bool(self._account.counts[3])
 
-    def energy(self) -> float:
-        """Kinetic and potential energy, J."""
-        mujoco.mj_energyPos(self._model, self._data)
-        mujoco.mj_energyVel(self._model, self._data)
-        return float(np.sum(self._data.energy))
-
-    def momentum(self) -> npt.NDArray[np.float64]:
-        """(3,) linear momentum of the robot, world, N·s."""
-        mujoco.mj_subtreeVel(self._model, self._data)
-        return np.asarray(self._data.subtree_linvel[0]) * float(self._model.body_subtreemass[0])
-
 
 def _set_options(spec: mujoco.MjSpec, physics_step: float) -> None:
     """Step, friction cone, and no silent reset of a diverged state."""
@@ -350,7 +346,10 @@ def _compile(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[
         model = spec.compile()
     except ValueError as error:
         raise PlantError(f"the physics engine refused the model: {error}") from None
-    model.dof_frictionloss[6:] += joint_friction
+    if joint_friction > 0.0:
+        model.dof_frictionloss[6:] += joint_friction
+        model.dof_solref[6:] = _SOLREF
+        model.dof_solimp[6:, :2] = _STICTION
     return model, int(model.sensor_adr[n_before]), int(model.sensor_adr[n_imu])
 
 

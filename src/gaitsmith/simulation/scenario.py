@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
@@ -206,20 +207,14 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     Raises:
         BadInput: no such file or name, a file over 1 MB, not TOML, empty, or with a wrong field.
     """
-    path = Path(name_or_path)
     shipped = {Path(entry.name).stem: entry for entry in resources.files(__package__).joinpath("scenarios").iterdir()}
     if str(name_or_path) in shipped:
         return _parse(shipped[str(name_or_path)].read_bytes(), f"{name_or_path}: ")
-    valid = f"a TOML file of at most 1 MB, or one of {', '.join(sorted(shipped))}"
     try:
-        with path.open("rb") as file:
-            content = file.read(_MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a path"
-        raise BadInput("scenario", str(name_or_path), valid, reason) from None
-    if len(content) > _MAX_BYTES:
-        raise BadInput("scenario", str(name_or_path), valid)
-    return _parse(content, f"{path.name}: ")
+        content = read_bounded(name_or_path, _MAX_BYTES)
+    except BadInput as error:
+        raise BadInput(error.field, error.value, f"{error.valid}, or one of {', '.join(sorted(shipped))}") from None
+    return _parse(content, f"{Path(name_or_path).name}: ")
 
 
 def _parse(content: bytes, source: str) -> Scenario:

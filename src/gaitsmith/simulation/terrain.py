@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 
@@ -52,6 +53,14 @@ class Terrain:
     def has_plane(self) -> bool:
         """Whether an endless level plane at z = 0 is part of the ground."""
         return self.kind != "slope"
+
+    def height(self, x: float, y: float) -> float:
+        """Height of the ground at a point of the world, m; on an edge between boxes, of either."""
+        if self.kind == "slope":
+            return max(x - SLOPE_START, 0.0) * math.tan(math.radians(self.amount))
+        if self.kind == "boxes":
+            return _box_height(_field(self.amount, self.seed), round(x / BOX_PITCH), round(y / BOX_PITCH))
+        return 0.0
 
     def blocks(self, region: Region) -> list[Block]:
         """Boxes of ground that cover ``region``, besides the level plane; none farther than 60 m from the origin."""
@@ -99,14 +108,27 @@ def _cells(low: float, high: float) -> range:
     return range(max(math.floor(low / BOX_PITCH), -_FIELD), min(math.ceil(high / BOX_PITCH), _FIELD) + 1)
 
 
+def _field(height: float, seed: int) -> npt.NDArray[np.float64]:
+    """Drawn heights of all cells."""
+    return np.random.default_rng([seed, 0xB0]).uniform(0.0, height, (2 * _FIELD + 1, 2 * _FIELD + 1))
+
+
+def _box_height(field: npt.NDArray[np.float64], i: int, j: int) -> float:
+    """Height of one cell; level around the start and beyond the field."""
+    if math.hypot(i, j) * BOX_PITCH <= FLAT_RADIUS or max(abs(i), abs(j)) > _FIELD:
+        return 0.0
+    return float(field[i + _FIELD, j + _FIELD])
+
+
 def _random_blocks(height: float, seed: int, region: Region) -> list[Block]:
     """Grid of boxes standing in the plane z = 0; a box's height depends on the seed and its cell only."""
-    heights = np.random.default_rng([seed, 0xB0]).uniform(0.0, height, (2 * _FIELD + 1, 2 * _FIELD + 1))
+    field = _field(height, seed)
     blocks = []
     for i in _cells(*region.x):
         for j in _cells(*region.y):
-            x, y, top = i * BOX_PITCH, j * BOX_PITCH, float(heights[i + _FIELD, j + _FIELD])
-            if math.hypot(x, y) > FLAT_RADIUS and top > 0.0:
+            top = _box_height(field, i, j)
+            if top > 0.0:
                 half = (top + _SUNK) / 2
-                blocks.append(Block((x, y, top - half), (BOX_PITCH / 2, BOX_PITCH / 2, half)))
+                centre = (i * BOX_PITCH, j * BOX_PITCH, top - half)
+                blocks.append(Block(centre, (BOX_PITCH / 2, BOX_PITCH / 2, half)))
     return blocks

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from gaitsmith.view.canvas import save as save
 from gaitsmith.view.footprints import draw_footprints as draw_footprints
+from gaitsmith.view.from_log import recording_of as recording_of
 from gaitsmith.view.recording import LegTrace as LegTrace
 from gaitsmith.view.recording import Recording as Recording
 from gaitsmith.view.timing import draw_timing as draw_timing
@@ -31,9 +32,10 @@ FIGURES: dict[str, Callable[[Recording], Figure]] = {
 
 
 def write_figures(recording: Recording, folder: Path) -> list[Path]:
-    """Draw every figure of a recording into a folder, as ``<name>.png``.
+    """Draw every figure of a recording into a folder, as ``<name>.png``; ``timing`` only if durations are known.
 
     Raises:
         BadInput: the folder cannot be written.
     """
-    return [save(draw(recording), folder / f"{name}.png") for name, draw in FIGURES.items()]
+    wanted = {name: draw for name, draw in FIGURES.items() if name != "timing" or len(recording.tick_us)}
+    return [save(draw(recording), folder / f"{name}.png") for name, draw in wanted.items()]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
@@ -12,6 +13,7 @@ from gaitsmith.view.recording import Array, LegTrace, Recording
 
 _LINE_SOLE = 0.012  # m: half the width a line sole is drawn with
 _PLOT_SHAPE = 2.6  # width over height of the plot, to find the scale of its axes
+_ALIKE = 1.5  # a larger ratio of the scales is drawn as it is, and said
 _GAP = 0.05  # m: a ZMP that jumps farther starts a new curve
 
 
@@ -25,20 +27,31 @@ def draw_footprints(recording: Recording) -> Figure:
             axis.add_collection(PolyCollection(corners, facecolors=f"{colour}55", edgecolors=colour, linewidths=1.0))
             axis.plot([], [], color=colour, linewidth=4.0, alpha=0.6, label=f"{recording.legs[side].name} sole")
         zmp = _zmp_path(recording)
-        axis.plot(zmp[:, 0], zmp[:, 1], color=THIRD, linewidth=0.9, label="planned ZMP")
+        axis.plot(zmp[:, 0], zmp[:, 1], color=THIRD, linewidth=1.4, zorder=3, label="planned ZMP")
         path = recording.torso_position[sampled(recording)]
         axis.plot(path[:, 0], path[:, 1], color=COMMAND, linewidth=1.2, label="torso")
-        soles = recording.sole_position.reshape(-1, 2, 3)
-        low, high = soles.min(axis=(0, 1)), soles.max(axis=(0, 1))
-        axis.set_xlim(low[0] - 0.25, high[0] + 0.35)
-        axis.set_ylim(low[1] - 0.12, high[1] + 0.12)
-        stretch = (high[0] - low[0] + 0.6) / (high[1] - low[1] + 0.24) / _PLOT_SHAPE
-        if stretch < 1.5:
-            axis.set_aspect("equal", adjustable="datalim")
-        note = f"   (drawn {stretch:.0f} times larger than x)" if stretch >= 1.5 else ""
+        stretch = _frame(axis, recording)
+        note = f"   (drawn {stretch:.0f} times larger than x)" if stretch > 1.0 else ""
         axis.set(xlabel="x, m", ylabel=f"y, m{note}")
         above(axis, 4)
     return made
+
+
+def _frame(axis: Axes, recording: Recording) -> float:
+    """Set the axes' limits around all footholds; how many times larger y is drawn than x, 1 if alike."""
+    soles = recording.sole_position.reshape(-1, 2, 3)
+    low = soles.min(axis=(0, 1))[:2] - np.array([0.25, 0.12])
+    high = soles.max(axis=(0, 1))[:2] + np.array([0.35, 0.12])
+    length, breadth = high - low
+    stretch = float(length / breadth / _PLOT_SHAPE)
+    if stretch < _ALIKE:
+        length, breadth = max(length, _PLOT_SHAPE * breadth), max(breadth, length / _PLOT_SHAPE)
+        axis.set_aspect("equal", adjustable="box")
+        stretch = 1.0
+    middle = (low + high) / 2
+    axis.set_xlim(middle[0] - length / 2, middle[0] + length / 2)
+    axis.set_ylim(middle[1] - breadth / 2, middle[1] + breadth / 2)
+    return stretch
 
 
 def _stances(recording: Recording, side: int) -> list[int]:

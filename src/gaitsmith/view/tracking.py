@@ -121,11 +121,10 @@ def draw_torques(recording: Recording) -> Figure:
             limit = max(float(recording.torque_limit[a]), float(recording.torque_limit[b]))
             for bound in (-limit, limit):
                 axis.axhline(bound, color=LIMIT, linestyle=":", label="limit" if bound > 0 else None)
-            peak = float(np.max(np.abs(recording.torque[:, [a, b]])))
             axis.set_ylim(-1.12 * limit, 1.12 * limit)
             axis.set_ylabel("N·m")
             names = f"{recording.joint_names[a]}, {recording.joint_names[b]}"
-            axis.set_title(f"{names}   peak {peak:.0f} of {limit:.0f} N·m", fontsize=11.0)
+            axis.set_title(f"{names}   limit {limit:.0f} N·m", fontsize=11.0)
         above(axes[0], 3)
         axes[-1].set_xlabel("time, s")
         axes[-1].set_xlim(float(time[0]), float(time[-1]))

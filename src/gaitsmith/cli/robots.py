@@ -1,0 +1,139 @@
+"""``gaitsmith robots``: what robots there are, what one consists of, and whether a card can be used."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+from gaitsmith.cli.arguments import Positional, parse, text
+from gaitsmith.cli.dispatch import DONE, Outcome
+from gaitsmith.errors import BadInput
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+
+
+@dataclass(frozen=True)
+class ListArguments:
+    """List the robots that come with the package."""
+
+    json: bool = False
+    """Print one JSON document instead of a table."""
+
+
+@dataclass(frozen=True)
+class RobotArguments:
+    """Load a robot, check it, and describe it."""
+
+    robot: Annotated[str, Positional, text("ROBOT", "NAME_OR_PATH")] = "bhr_b2"
+    """A robot of the package, the path of a card, or a folder with a card.toml."""
+    json: bool = False
+    """Print one JSON document instead of tables."""
+
+
+def list_robots(words: list[str], program: str) -> Outcome:
+    """Run ``robots list``.
+
+    Raises:
+        BadInput: the command line cannot be used.
+    """
+    parse(ListArguments, words, program)
+    from gaitsmith.robots import load_robot, robot_names
+
+    robots = [load_robot(name) for name in robot_names()]
+    entries = [{"name": robot.card.name, "description": robot.card.description, "mass": robot.mass} for robot in robots]
+
+    def show() -> None:
+        width = max((len(robot.card.name) for robot in robots), default=0)
+        for robot in robots:
+            _line(f"{robot.card.name:<{width}}  {robot.mass:6.1f} kg  {robot.card.description}")
+
+    return Outcome(DONE, {"robots": entries}, show)
+
+
+def show(words: list[str], program: str) -> Outcome:
+    """Run ``robots show``.
+
+    Raises:
+        BadInput: the command line or the robot cannot be used.
+    """
+    robot = _load(parse(RobotArguments, words, program).robot)
+    from gaitsmith.robots import describe
+
+    document = describe(robot)
+    return Outcome(DONE, document, lambda: _print_robot(robot, document))
+
+
+def check(words: list[str], program: str) -> Outcome:
+    """Run ``robots check``: load the robot, and let it stand at its default height.
+
+    Raises:
+        BadInput: the command line or the robot cannot be used.
+    """
+    robot = _load(parse(RobotArguments, words, program).robot)
+    from gaitsmith.control.posture import standing_posture
+
+    gait = robot.card.gait
+    posture = standing_posture(robot, gait.height, gait.width)
+    angles = dict(zip(robot.joint_names, posture[7:].tolist(), strict=True))
+    document = {
+        "ok": True,
+        "name": robot.card.name,
+        "mass": robot.mass,
+        "joints": list(robot.joint_names),
+        "presets": sorted(robot.card.presets),
+        "standing": angles,
+        "notes": list(robot.notes),
+    }
+
+    def show() -> None:
+        _line(f"{robot.card.name}: card and model fit; {robot.mass:.3f} kg, {len(robot.joint_names)} joints")
+        _line(f"stands at {gait.height:g} m with {', '.join(f'{name} {value:+.3f}' for name, value in angles.items())}")
+        for note in robot.notes:
+            _line(f"note: {note}")
+
+    return Outcome(DONE, document, show)
+
+
+def _load(name: str) -> Robot:
+    from gaitsmith.robots import load_robot
+
+    try:
+        return load_robot(name)
+    except BadInput as error:
+        if error.field == "robot":
+            raise BadInput("ROBOT", error.value, error.valid, "see gaitsmith robots list") from None
+        raise
+
+
+def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
+    """Legs, limits and assumptions as tables."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from gaitsmith.cli.printing import Printer
+
+    console = Printer()
+    console.print(f"{robot.card.name}: {robot.card.description}")
+    console.print(f"{robot.mass:.3f} kg, {document['model_path']}", soft_wrap=True)
+    for leg in robot.legs:
+        sole = leg.sole
+        size = f"heel {sole.heel:g} m, toe {sole.toe:g} m" + (f", ±{sole.half_width:g} m" if sole.half_width else "")
+        console.print(f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}")
+    table = Table(box=SIMPLE_HEAD)
+    for heading in ("joint", "from", "to", "speed\nper s", "torque\nN·m"):
+        table.add_column(heading, justify="left" if heading == "joint" else "right")
+    for name, limit in document["limits"].items():
+        low, high = limit["position"]
+        table.add_row(name, f"{low:g}", f"{high:g}", f"{limit['velocity']:g}", f"{limit['torque']:g}")
+    console.print(table)
+    console.print(f"presets: {', '.join(document['presets'])}")
+    for assumption in robot.card.assumptions:
+        console.print(f"assumed: {assumption.what}: {assumption.value} ({assumption.why})")
+    for note in robot.notes:
+        console.print(f"note: {note}")
+
+
+def _line(words: str) -> None:
+    sys.stdout.write(words + "\n")

@@ -1,0 +1,89 @@
+"""A run's summary as tables for people."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+from gaitsmith.cli.printing import Printer
+from gaitsmith.robots import Robot
+from gaitsmith.simulation import Summary
+
+
+def print_report(summary: Summary, robot: Robot, folder: Path | None) -> None:
+    """Print stages, torques against limits, times, and what went wrong, to stdout."""
+    console = Printer()
+    console.print(stage_table(summary))
+    console.print(torque_table(summary, robot))
+    for line in closing_lines(summary):
+        console.print(Text(line))
+    if summary.fall is not None:
+        fall = summary.fall
+        console.print(Text(f"FELL at {fall.time:.2f} s, {fall.phase}: {fall.reason}", style="bold red"))
+    if summary.interrupted:
+        console.print(Text(f"interrupted after {summary.duration:.2f} s", style="bold yellow"))
+    if folder is not None:
+        console.print(Text(f"written to {folder}"), soft_wrap=True)
+
+
+def stage_table(summary: Summary) -> Table:
+    """One row per stage of constant command."""
+    title = f"{summary.robot}, preset {summary.preset}, {summary.state} state, {summary.terrain}"
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
+    for heading in (
+        *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
+        *("roll\n°", "pitch\n°", "height error\nmm"),
+    ):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for stage in summary.stages:
+        command = "rest" if stage.rest else f"{stage.command.vx:.2f}"
+        if not stage.rest and stage.command.vy:
+            command += f", {stage.command.vy:.2f}"
+        table.add_row(
+            f"{stage.t0:.1f} to {stage.t1:.1f}",
+            command,
+            f"{stage.vx_mean:.4f}",
+            f"{1e3 * stage.vx_error:+.1f}",
+            f"{1e3 * stage.vy_error:+.1f}",
+            f"{stage.roll_deg[0]:+.2f} to {stage.roll_deg[1]:+.2f}",
+            f"{stage.pitch_deg[0]:+.2f} to {stage.pitch_deg[1]:+.2f}",
+            f"{1e3 * stage.height_error:+.1f}",
+        )
+    return table
+
+
+def torque_table(summary: Summary, robot: Robot) -> Table:
+    """Peak torque of every joint against its limit."""
+    table = Table(title="joint torques", title_justify="left", box=SIMPLE_HEAD)
+    table.add_column("joint")
+    for heading in ("peak\nN·m", "limit\nN·m", "of limit", "at limit\nof ticks"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name, limit in zip(robot.joint_names, robot.torque_limit, strict=True):
+        peak, saturated = summary.torque_peak[name], summary.torque_saturated[name]
+        table.add_row(
+            name,
+            f"{peak:.1f}",
+            f"{limit:.0f}",
+            f"{100 * peak / limit:.0f} %",
+            f"{100 * saturated:.2f} %",
+            style="red" if saturated > 0.0 else None,
+        )
+    return table
+
+
+def closing_lines(summary: Summary) -> list[str]:
+    """Everything else, a line each."""
+    tick, qp = summary.tick_us, summary.qp
+    lines = [
+        f"walked {summary.distance:.2f} m in {summary.steps} steps; farthest from the start {summary.drift:.3f} m; "
+        f"yaw {summary.yaw_deg[0]:+.1f} to {summary.yaw_deg[1]:+.1f}°",
+        f"foot separation at least {100 * summary.min_foot_separation:.1f} cm; leg contacts {summary.leg_contacts}",
+        f"tick {tick.median:.1f} µs median, {tick.p99:.1f} µs in 99 %, {tick.max:.0f} µs longest, "
+        f"{tick.overruns} over the control period",
+        f"whole-body QP: {qp.solves} solved, {qp.fallbacks} fallbacks, {qp.infeasible} infeasible",
+        f"{summary.duration:.2f} s simulated, {summary.realtime_factor:.1f} times real time",
+    ]
+    return lines + [f"physics engine: {warning}" for warning in summary.warnings]
