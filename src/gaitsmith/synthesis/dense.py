@@ -15,7 +15,7 @@ from gaitsmith.synthesis.program import Pick
 from gaitsmith.synthesis.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
-_SPARE = 2e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
+_SPARE = 4e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
 _SAME = 0.02  # share of a phase within which two instants count as one
 
 

@@ -125,7 +125,17 @@ def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int
         phases += current.motion.phases
         pieces += current.pieces
     motion = Motion(gait.motion.name, tuple(phases), (), False, gait.motion.parameters)
-    return Gait(gait.robot, gait.robot_hash, gait.joint_names, motion, tuple(pieces), gait.bounds, gait.order)
+    return Gait(
+        gait.robot,
+        gait.robot_hash,
+        gait.joint_names,
+        motion,
+        tuple(pieces),
+        gait.bounds,
+        gait.order,
+        gait.solver,
+        gait.certificate,
+    )
 
 
 def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64], sign: Array) -> Gait:
@@ -138,7 +148,8 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
     if held is None:
         raise ValueError(f"{before.motion.name} ends with the {support} foot in the air")
     dx, dy = held[0] - first.foothold[0], held[1] - flip * first.foothold[1]
-    dt = float(before.motion.borders[-1])
+    final = before.pieces[-1][-1]
+    dt = final.start + final.duration - gait.pieces[0][0].start
 
     def place(point: tuple[float, float] | None) -> tuple[float, float] | None:
         return None if point is None else (point[0] + dx, flip * point[1] + dy)
@@ -165,4 +176,14 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
         pieces.append(tuple(moved))
     motion = Motion(gait.motion.name, tuple(phases), gait.motion.conditions, gait.motion.cyclic, gait.motion.parameters)
-    return Gait(gait.robot, gait.robot_hash, gait.joint_names, motion, tuple(pieces), gait.bounds, gait.order)
+    return Gait(
+        gait.robot,
+        gait.robot_hash,
+        gait.joint_names,
+        motion,
+        tuple(pieces),
+        gait.bounds,
+        gait.order,
+        gait.solver,
+        gait.certificate,
+    )

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, write_text_atomic
-from gaitsmith.robots import Robot
+from gaitsmith.robots import Robot, load_robot, robot_names
 from gaitsmith.synthesis.gait import CHANNELS, Gait, Piece
 from gaitsmith.synthesis.motion import At, Limit, Motion, Phase
 
@@ -140,6 +140,23 @@ def require_robot(gait: Gait, robot: Robot) -> None:
     if gait.robot_hash != robot.content_hash or gait.joint_names != robot.joint_names:
         valid = f"a gait for {robot.card.name} with hash {robot.content_hash[:12]}"
         raise BadInput("robot", f"{gait.robot} {gait.robot_hash[:12]}", valid, "give --robot, or plan again")
+
+
+def load_robot_of(gait: Gait, name_or_path: str | None = None) -> Robot:
+    """The robot that a gait was planned for, checked by its hash.
+
+    Args:
+        gait: the gait.
+        name_or_path: where the robot is, if it is not one of the package.
+
+    Raises:
+        BadInput: it cannot be found, or is another one, or has changed since.
+    """
+    if name_or_path is None and gait.robot not in robot_names():
+        raise BadInput("--robot", None, f"the card of {gait.robot[:60]}", "the gait is for a robot of your own")
+    robot = load_robot(name_or_path or gait.robot)
+    require_robot(gait, robot)
+    return robot
 
 
 def _number(value: Any, field: str, low: float = -np.inf, high: float = np.inf) -> float:

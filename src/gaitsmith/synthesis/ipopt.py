@@ -19,11 +19,31 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Progress:
-    """One iteration: number, objective J, largest violation of a row (share of its range)."""
+    """One iteration.
+
+    Attributes:
+        iteration: its number.
+        objective: J.
+        violation: of the worst row, as a share of ``span``.
+        constraint: what that row says.
+        unit: its unit.
+        span: its range, in ``unit``.
+    """
 
     iteration: int
     objective: float
     violation: float
+    constraint: str = ""
+    unit: str = ""
+    span: float = 1.0
+
+
+def progress_of(program: Program, iteration: int, objective: float, rows: Array) -> Progress:
+    """Progress of an iteration from the values of the rows; ``objective`` is unscaled."""
+    gaps = program.violation(rows)
+    worst = int(np.argmax(gaps))
+    label = program.labels[worst]
+    return Progress(iteration, objective, float(gaps[worst]), label.name, label.unit, label.span)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +101,7 @@ class _Watch(ca.Callback):  # type: ignore[misc]
             if self.report is not None:
                 g = np.array(arg[ca.nlpsol_out().index("g")]).ravel()
                 f = float(arg[ca.nlpsol_out().index("f")]) / OBJECTIVE_SCALE
-                self.report(Progress(self.iteration, f, float(self.program.violation(g).max(initial=0.0))))
+                self.report(progress_of(self.program, self.iteration, f, g))
         except BaseException as error:
             self.interrupted = error
             return [1]

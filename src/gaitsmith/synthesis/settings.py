@@ -67,7 +67,7 @@ class Settings(Parameters):
     wrench_weight: Positive = 0.003
     single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
     double_nodes: Annotated[int, Field(ge=3, le=20)] = 4
-    refinements: Annotated[int, Field(ge=0, le=20)] = 6
+    refinements: Annotated[int, Field(ge=0, le=30)] = 12
     dense: Annotated[int, Field(ge=50, le=5000)] = 400
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=10000)] = 400

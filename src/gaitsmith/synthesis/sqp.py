@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.linalg as sl
 
 from gaitsmith.synthesis.assembly import Assembly, Caller
-from gaitsmith.synthesis.ipopt import Progress, Solution
+from gaitsmith.synthesis.ipopt import Progress, Solution, progress_of
 from gaitsmith.synthesis.program import OBJECTIVE_SCALE, Program
 
 Array = npt.NDArray[np.float64]
@@ -60,7 +60,7 @@ def solve_sqp(
         z, o = program.evaluate(x)
         objective = program.objective(z, o) * OBJECTIVE_SCALE
         if report is not None:
-            report(Progress(iteration, objective / OBJECTIVE_SCALE, violation))
+            report(progress_of(program, iteration, objective / OBJECTIVE_SCALE, rows))
         hessian(x, np.zeros(0), 1.0, lam)
         upper = hessian.matrix(0).toarray()
         H = upper + np.triu(upper, 1).T
