@@ -151,6 +151,8 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
                 Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands)
             )
     tilt = float(np.sin(bounds.foot_tilt))
+    pitch = float(np.sin(bounds.foot_pitch))
+    found.append(Bound("swing foot pitch", "rad", {layout.foot_pitch: 1.0}, {}, -pitch, pitch, 2 * pitch))
     found.append(Bound("swing foot roll", "rad", {layout.foot_roll: 1.0}, {}, -tilt, tilt, 2 * tilt))
     found.append(Bound("swing foot yaw", "rad", {layout.foot_yaw: 1.0}, {}, -tilt, tilt, 2 * tilt))
     gap = 2.0 * sole.half_width + bounds.foot_gap

@@ -51,6 +51,7 @@ class KickParameters:
         speed: v_max, m/s.
         reach: x_max, m.
         height: H_max of the raised foot, m.
+        strike: height of the sole at the ball, m: a level toe meets a ball of radius 0.05 m below its middle.
         durations: of the six phases, s.
     """
 
@@ -58,6 +59,7 @@ class KickParameters:
     speed: float = 2.0
     reach: float = 0.14
     height: float = 0.06
+    strike: float = 0.02
     durations: tuple[float, float, float, float, float, float] = (0.8, 0.6, 0.35, 0.3, 0.9, 0.8)
 
 
@@ -162,17 +164,19 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
     """A kick with the left foot: shift, raise, strike, follow through, return, shift back; (25)-(31).
 
     q_stable of (26) and (30) is not given by the paper: it is free, the same at both instants, and the bounds of
-    single support hold there. (29) is also imposed as a maximum.
+    single support hold there. (29) is also imposed as a maximum. At the ball the foot is level, so that the toe meets
+    it, and moves in the ball's plane y.
     """
     half, p = biped.width / 2.0, parameters
     right, left = (0.0, -half), (0.0, half)
     top = biped.ankle_height + p.height
     within: tuple[Limit, ...] = (Limit("ankle_x", high=p.reach),)
+    before = (Limit("ankle_x", high=p.ball[0]),)  # or the foot would push the ball away while it is raised
     d = p.durations
     phases = (
         Phase("shift", d[0], "right", "flat", right, left, 2),
-        Phase("raise", d[1], "right", "air", right, sections=2),
-        Phase("strike", d[2], "right", "air", right, sections=2, limits=within),
+        Phase("raise", d[1], "right", "air", right, sections=2, limits=before),
+        Phase("strike", d[2], "right", "air", right, sections=2, limits=before),
         Phase("follow through", d[3], "right", "air", right, sections=2, limits=within),
         Phase("return", d[4], "right", "air", right, sections=3, limits=within),
         Phase("shift back", d[5], "right", "flat", right, left, 2),
@@ -186,6 +190,8 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
         At(3, "ankle_x", p.ball[0]),
         At(3, "ankle_y", p.ball[1]),
         At(3, "ankle_vx", p.speed),
+        At(3, "foot_pitch", 0.0),
+        At(3, "sole_z", p.strike),
         At(4, "ankle_x", p.reach),
         At(4, "ankle_vx", 0.0),
         Same(5, 1),

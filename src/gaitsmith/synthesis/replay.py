@@ -134,12 +134,18 @@ def _model(robot: Robot, gait: Gait, settings: ReplaySettings) -> Any:
         place = [parameters["ball_1"] + sole.toe + BALL_RADIUS, parameters["ball_2"], BALL_RADIUS]
         ball = spec.worldbody.add_body(name="ball", pos=place)
         ball.add_freejoint(name="ball")
+        ball.mass, ball.explicitinertial = BALL_MASS, True
+        ball.ipos, ball.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+        ball.inertia = [0.4 * BALL_MASS * BALL_RADIUS**2] * 3
         shape = ball.add_geom()
         shape.name, shape.type, shape.size = "ball", mujoco.mjtGeom.mjGEOM_SPHERE, [BALL_RADIUS, 0.0, 0.0]
-        shape.mass, shape.contype, shape.conaffinity = BALL_MASS, 1, 0x7FFFFFFF
+        shape.contype, shape.conaffinity = 1, 0x7FFFFFFF
         shape.friction, shape.solref = [0.6, 0.005, 0.0001], list(_SOLREF)
     model = spec.compile()
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    # The ball's joint takes the robot's defaults for joints, which are not its own.
+    model.dof_armature[robot.model.nv :] = 0.0
+    model.dof_damping[robot.model.nv :] = 0.0
     model.body_mass[1 : robot.model.nbody] *= settings.mass_scale
     model.body_inertia[1 : robot.model.nbody] *= settings.mass_scale
     return model

@@ -24,6 +24,7 @@ class Bounds(Parameters):
         torso_pitch: largest lean forward or back, rad.
         torso_roll: largest lean to a side, rad.
         torso_yaw: largest turn against the support foot, rad.
+        foot_pitch: largest pitch of the swing foot, rad.
         foot_tilt: largest roll and yaw of the swing foot, rad.
         foot_gap: smallest lateral distance between the soles' edges, m.
         clearance: height that the swing sole reaches by the middle of its swing, m; it rises and falls smoothly.
@@ -39,6 +40,7 @@ class Bounds(Parameters):
     torso_pitch: Angle = 0.20
     torso_roll: Angle = 0.15
     torso_yaw: Angle = 0.15
+    foot_pitch: Angle = 0.5
     foot_tilt: Angle = 0.02
     foot_gap: NonNegative = 0.02
     clearance: NonNegative = 0.005
