@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Arena
+from gaitsmith.control.estimation import make_estimator_gains, make_estimator_state
 from gaitsmith.control.frames import make_frames, make_legs
 from gaitsmith.control.inverse_kinematics import make_inverse_kinematics, make_leg_kinematics
 from gaitsmith.control.joint_torque import make_joint_feedback
@@ -97,6 +98,13 @@ class Controller:
             right_program=make_quadratic_program(n_leg, 0),
             measurement=make_measurement(n_joints),
             control=make_control_state(robot, estimated),
+            estimator_gains=make_estimator_gains(
+                self.parameters.estimator,
+                robot.imu_position,
+                self.parameters.touchdown.force,
+                robot.mass * float(np.linalg.norm(robot.model.opt.gravity)),
+            ),
+            estimator=make_estimator_state(n_joints),
             telemetry=telemetry,
         )
         self._arena = Arena(*groups)
@@ -105,11 +113,11 @@ class Controller:
         self.measurement: Measurement = self._groups.measurement
         self.telemetry: Telemetry = self._groups.telemetry
         self._torque = self._groups.control.torque
-        self._initial = [[array.copy() for array in group] for group in (self._groups.step, self._groups.control)]
+        self._initial = [[array.copy() for array in group] for group in self._memory()]
 
     def reset(self) -> None:
         """Forget everything but the requested gait: at rest on both feet, counters at zero."""
-        for group, initial in zip((self._groups.step, self._groups.control), self._initial, strict=True):
+        for group, initial in zip(self._memory(), self._initial, strict=True):
             for array, first in zip(group, initial, strict=True):
                 array[...] = first
         whole_body = self._groups.whole_body
@@ -120,6 +128,10 @@ class Controller:
         self._groups.control.standing_height[0] = self.gait.height
         for now, first in zip(self._groups.latched, self._groups.requested, strict=True):
             now[...] = first
+
+    def _memory(self) -> tuple[Any, ...]:
+        """Groups that a reset puts back to their first values."""
+        return self._groups.step, self._groups.control, self._groups.estimator, self._groups.targets
 
     def command(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector, kerne
 from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.points import point_bias, point_jacobian
 from gaitsmith.dynamics.tree import Tree, TreeState, make_tree_state
-from gaitsmith.robots import Robot
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
 
 
 class Legs(NamedTuple):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from gaitsmith.compiled import Matrix, kernel
-from gaitsmith.robots.parameters import JointGains
+
+if TYPE_CHECKING:
+    from gaitsmith.robots.parameters import JointGains
 
 
 class JointFeedback(NamedTuple):

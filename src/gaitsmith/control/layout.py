@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from gaitsmith.control.estimation import EstimatorGains, EstimatorState
 from gaitsmith.control.frames import Frames, Legs
 from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics
 from gaitsmith.control.joint_torque import JointFeedback
@@ -47,6 +48,8 @@ class TickGroups(NamedTuple):
     right_program: QuadraticProgram
     measurement: Measurement
     control: ControlState
+    estimator_gains: EstimatorGains
+    estimator: EstimatorState
     telemetry: Telemetry
 
 
@@ -75,6 +78,8 @@ _CLASSES: tuple[type, ...] = (
     QuadraticProgram,
     Measurement,
     ControlState,
+    EstimatorGains,
+    EstimatorState,
     Telemetry,
 )
 _FIRST = tuple(sum(len(cls._fields) for cls in _CLASSES[:k]) for k in range(len(_CLASSES)))  # type: ignore[attr-defined]
@@ -103,5 +108,7 @@ _FIRST = tuple(sum(len(cls._fields) for cls in _CLASSES[:k]) for k in range(len(
     RIGHT_PROGRAM,
     MEASUREMENT,
     CONTROL,
+    ESTIMATOR_GAINS,
+    ESTIMATOR,
     TELEMETRY,
 ) = _FIRST

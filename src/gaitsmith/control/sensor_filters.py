@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
 from gaitsmith.control.measurement import Measurement
-from gaitsmith.robots.parameters import EstimatorParameters
+
+if TYPE_CHECKING:
+    from gaitsmith.robots.parameters import EstimatorParameters
 
 _GYRO = 0.02  # rad/s, noise of one sample
 _ATTITUDE = 0.005  # rad, noise of one sample of the measured attitude

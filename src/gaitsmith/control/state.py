@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector
-from gaitsmith.robots import Robot
-from gaitsmith.robots.parameters import ControlParameters
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+    from gaitsmith.robots.parameters import ControlParameters
 
 
 class ControlState(NamedTuple):
@@ -30,7 +32,11 @@ class ControlState(NamedTuple):
         standing_height: (1,) hip height held while standing, m; moves slowly towards the commanded one.
         counts: (3,) bad measurements, inverse-kinematics fallbacks, forced touchdowns.
         estimated: (1,) 1 if the state is estimated from sensors.
-        target: (3, 3) scratch: position and velocity of a sole and a vector, torso frame.
+        arm: (3,) CoM relative to the stance sole, heading frame, m.
+        expected: (4,) velocity that the foothold answers to and its reference, heading frame, m/s.
+        drift: (2,) CoM relative to the station, heading frame, m.
+        com_acceleration: (2,) predicted by the last whole-body solution, heading frame, m/s².
+        target: (2, 3) scratch: position and velocity of a sole, torso frame.
         target_rotation: (3, 3) scratch: sole to torso.
     """
 
@@ -48,6 +54,10 @@ class ControlState(NamedTuple):
     standing_height: Vector
     counts: IntVector
     estimated: IntVector
+    arm: Vector
+    expected: Vector
+    drift: Vector
+    com_acceleration: Vector
     target: Matrix
     target_rotation: Matrix
 
@@ -96,7 +106,11 @@ def make_control_state(robot: Robot, estimated: bool) -> ControlState:
         standing_height=np.zeros(1),
         counts=np.zeros(3, dtype=np.int64),
         estimated=np.array([int(estimated)]),
-        target=np.zeros((3, 3)),
+        arm=np.zeros(3),
+        expected=np.zeros(4),
+        drift=np.zeros(2),
+        com_acceleration=np.zeros(2),
+        target=np.zeros((2, 3)),
         target_rotation=np.zeros((3, 3)),
     )
 

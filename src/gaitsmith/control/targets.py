@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector
-from gaitsmith.robots.parameters import ControlParameters
+
+if TYPE_CHECKING:
+    from gaitsmith.robots.parameters import ControlParameters
 
 
 class TaskGains(NamedTuple):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import gaitsmith.control.layout as layout
-from gaitsmith.compiled import bind, kernel
+from gaitsmith.compiled import Vector, bind, kernel
+from gaitsmith.control.estimation import EstimatorGains, EstimatorState, estimate
 from gaitsmith.control.frames import Frames, Legs, observe_frames
 from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics, leg_step
 from gaitsmith.control.joint_torque import JointFeedback, bounded_torque
@@ -27,7 +28,7 @@ from gaitsmith.control.touchdown import TouchdownRule
 from gaitsmith.control.whole_body import WholeBody, solve_whole_body
 from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.tree import Tree, TreeState
-from gaitsmith.template.foothold import FootholdGains, foothold_target, observe_motion
+from gaitsmith.template.foothold import FootholdGains, foothold_target, observe_motion, touchdown_velocity
 from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK, Gait, StepState
 from gaitsmith.template.trajectory import support_height, swing_foot
 
@@ -57,6 +58,23 @@ def _take_state(measurement: Measurement, control: ControlState) -> bool:
 
 
 @kernel
+def _turn_to_heading(frames: Frames, x: float, y: float, out: Vector) -> None:
+    """Horizontal world vector in the heading frame."""
+    out[0] = frames.heading[1] * x + frames.heading[2] * y
+    out[1] = frames.heading[1] * y - frames.heading[2] * x
+
+
+@kernel
+def _com_acceleration(tree_state: TreeState, frames: Frames, whole_body: WholeBody, control: ControlState) -> None:
+    """CoM acceleration that the last whole-body solution predicted, heading frame."""
+    x, y = tree_state.com_bias[0], tree_state.com_bias[1]
+    for k in range(control.v.shape[0]):
+        x += tree_state.com_jacobian[0, k] * whole_body.acceleration[k]
+        y += tree_state.com_jacobian[1, k] * whole_body.acceleration[k]
+    _turn_to_heading(frames, x, y, control.com_acceleration)
+
+
+@kernel
 def _run_template(table: int) -> None:
     """Desired sole states of this tick; the foothold follows the CoM."""
     tree_state = bind(TreeState, table, layout.TREE_STATE)
@@ -77,28 +95,20 @@ def _run_template(table: int) -> None:
         support[2, axis] = 0.0
     for order in range(3):
         support[order, 2] = control.support_curve[order]
-    acceleration = control.target[2]
-    for i in range(3):
-        acceleration[i] = 0.0
-    if foothold.acceleration_gain > 0.0:
-        for i in range(2):
-            value = tree_state.com_bias[i]
-            for k in range(control.v.shape[0]):
-                value += tree_state.com_jacobian[i, k] * whole_body.acceleration[k]
-            acceleration[i] = value
-        forward = frames.heading[1] * acceleration[0] + frames.heading[2] * acceleration[1]
-        acceleration[1] = frames.heading[1] * acceleration[1] - frames.heading[2] * acceleration[0]
-        acceleration[0] = forward
     observe_motion(step, frames.com_velocity, tree_state.com)
+    place = frames.sole_position[stance]
+    _turn_to_heading(frames, tree_state.com[0] - place[0], tree_state.com[1] - place[1], control.arm)
+    control.arm[2] = tree_state.com[2] - place[2]
+    touchdown_velocity(step, latched, foothold, frames.com_velocity, control.arm, control.expected)
+    _turn_to_heading(frames, tree_state.com[0] - step.station[0], tree_state.com[1] - step.station[1], control.drift)
+    _com_acceleration(tree_state, frames, whole_body, control)
     foothold_target(
         step,
         latched,
         foothold,
-        frames.com_velocity,
-        acceleration,
-        tree_state.com,
-        frames.heading[1],
-        frames.heading[2],
+        control.expected,
+        control.com_acceleration,
+        control.drift,
         frames.relative[stance, 0, 1],
         control.foothold,
     )
@@ -299,9 +309,26 @@ def tick(table: int) -> None:
     program = bind(QuadraticProgram, table, layout.PROGRAM)
     measurement = bind(Measurement, table, layout.MEASUREMENT)
     control = bind(ControlState, table, layout.CONTROL)
+    estimator_gains = bind(EstimatorGains, table, layout.ESTIMATOR_GAINS)
+    estimator = bind(EstimatorState, table, layout.ESTIMATOR)
     telemetry = bind(Telemetry, table, layout.TELEMETRY)
     control.time[0] += gains.dt
-    if not _take_state(measurement, control):
+    if control.estimated[0] == 1:
+        usable = estimate(
+            tree,
+            tree_state,
+            legs,
+            estimator_gains,
+            estimator,
+            measurement,
+            gains.dt,
+            targets.in_contact,
+            control.q,
+            control.v,
+        )
+    else:
+        usable = _take_state(measurement, control)
+    if not usable:
         control.counts[0] += 1
         _set_torque(table, False)
         telemetry.time[0] = control.time[0]

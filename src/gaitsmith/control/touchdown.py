@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from gaitsmith.compiled import kernel
-from gaitsmith.robots.parameters import TouchdownParameters
+
+if TYPE_CHECKING:
+    from gaitsmith.robots.parameters import TouchdownParameters
 
 NONE = 0
 CONTACT = 1

@@ -87,19 +87,21 @@ def _assemble(
             add_joint(qp, motion, n, 6 + j, targets.joint_acceleration[j], targets.joint_weight[j])
         qp.hessian[j, j] += gains.torque_change
         qp.gradient[j] -= gains.torque_change * body.torque[j]
+    standing = targets.in_contact[0] + targets.in_contact[1] == 2
     first, m = n_joints, 0
     for leg in range(2):
         if targets.in_contact[leg] == 1:
             add_stance(qp, legs, frames, gains, motion, n, leg)
             m = contact_bounds(qp, legs, gains, leg, first, m)
             first += wrench_size(legs.half_width[leg])
-            ankle = legs.ankle_pitch[leg]
-            qp.hessian[ankle, ankle] += gains.ankle_torque
-            qp.gradient[ankle] -= gains.ankle_torque * targets.ankle_torque[leg]
+            if not standing:
+                ankle = legs.ankle_pitch[leg]
+                qp.hessian[ankle, ankle] += gains.ankle_torque
+                qp.gradient[ankle] -= gains.ankle_torque * targets.ankle_torque[leg]
         else:
             add_swing(qp, targets, frames, gains, motion, n, leg)
     add_attitude(qp, frames, gains, motion, n)
-    if targets.in_contact[0] + targets.in_contact[1] == 2:
+    if standing:
         add_standing(qp, state, targets, frames, gains, motion, n)
     for i in range(n):
         qp.hessian[i, i] += gains.regularisation

@@ -6,11 +6,18 @@ once a step removes the bias; at zero command a slow offset brings the robot bac
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from typing import TYPE_CHECKING, NamedTuple
 
 from gaitsmith.compiled import Vector, kernel
-from gaitsmith.robots.parameters import FootholdParameters
 from gaitsmith.template.step import LEFT, Gait, StepState
+
+if TYPE_CHECKING:
+    from gaitsmith.robots.parameters import FootholdParameters
+
+
+_GRAVITY = 9.81
+_LOWEST_COM = 0.05  # m, keeps a fallen robot's pendulum finite
 
 
 class FootholdGains(NamedTuple):
@@ -19,6 +26,8 @@ class FootholdGains(NamedTuple):
     velocity_gain_x: float
     velocity_gain_y: float
     acceleration_gain: float
+    prediction: float
+    mean_speed: float
     integral_gain_x: float
     integral_gain_y: float
     integral_limit: float
@@ -35,6 +44,8 @@ def make_foothold_gains(parameters: FootholdParameters) -> FootholdGains:
     return FootholdGains(
         *parameters.velocity_gain,
         parameters.acceleration_gain,
+        parameters.prediction,
+        parameters.mean_speed,
         *parameters.integral_gain,
         parameters.integral_limit,
         *parameters.station_gain,
@@ -51,15 +62,41 @@ def _clip(value: float, bound: float) -> float:
 
 
 @kernel
+def touchdown_velocity(
+    step: StepState, gait: Gait, gains: FootholdGains, velocity: Vector, arm: Vector, out: Vector
+) -> None:
+    """CoM velocity that the foothold answers to, and the velocity to compare it with.
+
+    A linear pendulum of the CoM's height above the stance sole, ``ω² = g / z``, forecasts the velocity at touchdown
+    and tells how much faster than its mean it moves there: ``(ωT/2) coth(ωT/2)``.
+
+    Args:
+        step: the step being taken.
+        gait: latched.
+        gains: of the preset.
+        velocity: (2,) CoM velocity, heading frame, m/s.
+        arm: (3,) CoM relative to the stance sole, heading frame, m.
+        out: (4,) velocity forward and lateral, reference forward and lateral, m/s.
+    """
+    omega = math.sqrt(_GRAVITY / max(arm[2], _LOWEST_COM))
+    half = 0.5 * omega * gait.period[0]
+    ratio = 1.0 + gains.mean_speed * (half / math.tanh(half) - 1.0)
+    remaining = omega * max(gait.period[0] - step.time[0], 0.0)
+    grow, carry = math.sinh(remaining), math.cosh(remaining)
+    for axis in range(2):
+        expected = carry * velocity[axis] + omega * grow * arm[axis]
+        out[axis] = velocity[axis] + gains.prediction * (expected - velocity[axis])
+        out[2 + axis] = ratio * gait.speed[axis]
+
+
+@kernel
 def foothold_target(
     step: StepState,
     gait: Gait,
     gains: FootholdGains,
     velocity: Vector,
     acceleration: Vector,
-    position: Vector,
-    cos_yaw: float,
-    sin_yaw: float,
+    drift: Vector,
     stance_y: float,
     out: Vector,
 ) -> None:
@@ -68,28 +105,29 @@ def foothold_target(
     ``x = T v_d / 2 + k_v (v - v_d) - k_a a - I + station`` and the same laterally around ``±W``.
 
     Args:
-        velocity: (2,) CoM velocity, heading frame, m/s.
+        step: the step being taken.
+        gait: latched.
+        gains: of the preset.
+        velocity: (4,) from :func:`touchdown_velocity`.
         acceleration: (2,) CoM acceleration, heading frame, m/s².
-        position: (2,) CoM position, world, m.
-        cos_yaw: cosine of the heading.
-        sin_yaw: sine of the heading.
+        drift: (2,) CoM position relative to the station, heading frame, m.
         stance_y: lateral position of the stance sole, hip midpoint, heading frame, m.
         out: (2,) target, m.
     """
     side = -1.0 if step.stance[0] == LEFT else 1.0
-    period = gait.period[0]
-    error_x = velocity[0] - gait.speed[0]
-    error_y = velocity[1] - gait.speed[1]
-    x = 0.5 * period * gait.speed[0] + gains.velocity_gain_x * error_x - gains.acceleration_gain * acceleration[0]
-    y = 0.5 * period * gait.speed[1] + gains.velocity_gain_y * error_y - gains.acceleration_gain * acceleration[1]
-    x -= step.integral[0]
-    y += side * gait.width[0] - step.integral[1]
-    if step.station_kept[0] == 1:
-        drift_x = position[0] - step.station[0]
-        drift_y = position[1] - step.station[1]
-        x += _clip(gains.station_gain_x * (cos_yaw * drift_x + sin_yaw * drift_y), gains.station_limit)
-        y += _clip(gains.station_gain_y * (cos_yaw * drift_y - sin_yaw * drift_x), gains.station_limit)
-    out[0] = _clip(x, gains.reach)
+    for axis in range(2):
+        gain = gains.velocity_gain_x if axis == 0 else gains.velocity_gain_y
+        out[axis] = (
+            0.5 * gait.period[0] * gait.speed[axis]
+            + gain * (velocity[axis] - velocity[2 + axis])
+            - gains.acceleration_gain * acceleration[axis]
+            - step.integral[axis]
+        )
+        if step.station_kept[0] == 1:
+            station = gains.station_gain_x if axis == 0 else gains.station_gain_y
+            out[axis] += _clip(station * drift[axis], gains.station_limit)
+    out[0] = _clip(out[0], gains.reach)
+    y = out[1] + side * gait.width[0]
     apart = side * (y - stance_y)
     if apart < gains.separation:
         y = stance_y + side * gains.separation
