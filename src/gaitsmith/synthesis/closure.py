@@ -18,6 +18,7 @@ from gaitsmith.synthesis.transcription import WRENCH_DEGREE, Points, Transcripti
 Array = npt.NDArray[np.float64]
 PARTS = 4  # pieces a section of double support is cut into
 _NEWTON = 8
+_CLOSED, _FAR = 1e-8, 0.2  # m or rad left of a gap; largest correction of a joint, rad
 _SAMPLES = 20  # Chebyshev nodes a piece
 _HERMITE = np.array(
     [
@@ -60,7 +61,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     bend = np.zeros(z.shape[1]) if flat else o[layout.foot_alpha + 1]
     places = [layout.pivot, layout.pivot + 1, layout.pivot + 2, layout.foot_roll, layout.foot_pitch, layout.foot_yaw]
     target = np.vstack([np.tile(goal[:, None], (1, z.shape[1])), 0 * pitch, pitch, 0 * pitch])
-    z = z.copy()
+    given, z = z, z.copy()
     speeds = list(range(layout.pivot_velocity, layout.pivot_velocity + 6))
     pulls = list(range(layout.pivot_acceleration, layout.pivot_acceleration + 6))
     zero = np.zeros((4, z.shape[1]))
@@ -73,11 +74,17 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
         z[leg] += step.T
         if np.abs(gap).max() < 1e-13:
             break
+    # Near a straight leg the chain may have no solution: the splines are kept there, and the gap shows in the check.
+    lost = ~(np.abs(gap).max(axis=0) < _CLOSED) | (np.abs(z[leg] - given[leg]).max(axis=0) > _FAR)
+    z[:, lost] = given[:, lost]
+    usable = ~lost
     for wanted, rows, first in ((wanted_speed, speeds, n), (wanted_pull, pulls, 2 * n)):
         o, J = _outputs_and_jacobians(functions, z, pivots)
         columns = [first + int(k) for k in leg]
-        step = np.linalg.solve(J[:, rows][:, :, columns], (wanted - o[rows]).T[:, :, None])[:, :, 0]
-        z[columns] += step.T
+        if not usable.any():
+            break
+        step = np.linalg.solve(J[usable][:, rows][:, :, columns], (wanted - o[rows]).T[usable][:, :, None])[:, :, 0]
+        z[np.ix_(columns, np.flatnonzero(usable))] += step.T
     return z
 
 

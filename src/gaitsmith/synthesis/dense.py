@@ -15,6 +15,7 @@ from gaitsmith.synthesis.program import Pick
 from gaitsmith.synthesis.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
+_TIGHTEST = 0.05
 _SPARE = 4e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
 _SAME = 0.02  # share of a phase within which two instants count as one
 
@@ -103,7 +104,7 @@ def new_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick],
                 if near:
                     i = min(near, key=lambda i: abs(found[i].time - item.times[k]))
                     old = found[i]
-                    found[i] = Pick(old.phase, old.bound, old.time, old.tighten + 1.2 * float(v[k]))
+                    found[i] = Pick(old.phase, old.bound, old.time, min(old.tighten + 1.2 * float(v[k]), _TIGHTEST))
                 else:
                     known.setdefault((phase, int(bound)), []).append(len(found))
                     found.append(Pick(phase, int(bound), float(item.times[k]), _SPARE))
