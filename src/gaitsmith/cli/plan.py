@@ -90,7 +90,7 @@ def plan(words: list[str], program: str) -> Outcome:
         file = str(Path(arguments.out).resolve())
     document = plan_document(found, kind, planner.biped, file)
     if found.gait is not None and arguments.figures is not None:
-        from gaitsmith.synthesis.figures import write_gait_figures
+        from gaitsmith.view.gait_figures import write_gait_figures
 
         document["figures"] = [str(path) for path in write_gait_figures(found.gait, robot, Path(arguments.figures))]
     code = DONE if found.gait is not None else NOT_SOLVED
@@ -111,8 +111,8 @@ def request_from(arguments: PlanArguments) -> Request | None:
     Raises:
         BadInput: naming the flag.
     """
-    from gaitsmith.synthesis.request import KICK_FRICTION, KINDS, Request, stride
     from gaitsmith.synthesis.motions import KickParameters, StepParameters
+    from gaitsmith.synthesis.request import KICK_FRICTION, KINDS, Request, stride
     from gaitsmith.synthesis.settings import Bounds, Settings
 
     _range("--zmp-margin", arguments.zmp_margin, 0.0, 0.04)
@@ -148,7 +148,7 @@ def request_from(arguments: PlanArguments) -> Request | None:
     if arguments.double_support is not None:
         extra["double_support"] = arguments.double_support
     step = StepParameters(length, period, **extra)
-    return Request(arguments.motion, step=step, cycles=arguments.cycles, settings=settings)  # type: ignore[arg-type]
+    return Request(arguments.motion, step=step, cycles=arguments.cycles, settings=settings)
 
 
 def _solve(planner: Any, request: Request | None, motion: str, display: _Display) -> Answer:
@@ -186,7 +186,12 @@ class _Display:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         self._console = Console(stderr=True)
-        columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[done]}"), TimeElapsedColumn())
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[done]}"),
+            TimeElapsedColumn(),
+        )
         self._progress = Progress(
             *columns, console=self._console, transient=True, disable=not self._console.is_terminal
         )

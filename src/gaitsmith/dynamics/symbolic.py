@@ -315,8 +315,9 @@ def inverse_dynamics(model: Any) -> Any:
         linear = ca.mtimes(R.T, a[:3] - ca.DM(model.opt.gravity))
         start = BodyMotion(R, q[:3], v[3:6], ca.mtimes(R.T, v[:3]), a[3:6], linear)
         found = newton_euler(model, base, start, q, v, a)
-        dofs = np.arange(6)
-        own = ca.vertcat(*(float(model.dof_armature[k]) * a[k] + float(model.dof_damping[k].flat[0]) * v[k] for k in dofs))
+        armature = ca.DM(np.array(model.dof_armature[:6]))
+        damping = ca.DM(np.array([model.dof_damping[k].flat[0] for k in range(6)]))
+        own = armature * a[:6] + damping * v[:6]
         tau[:6] = ca.vertcat(ca.mtimes(R, found.root_force), found.root_moment) + own
     for dof, value in found.generalized.items():
         tau[dof] = value

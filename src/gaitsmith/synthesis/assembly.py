@@ -46,7 +46,7 @@ class Assembly:
         self._o = program.functions.value.map(count)(self._z, self._pivots)
 
     def _torque_slope(self, torque: Any) -> Any:
-        """d objective / d outputs, (outputs, K)."""
+        """D objective / d outputs, (outputs, K)."""
         layout = self.program.functions.layout
         rest = ca.MX(layout.outputs - layout.joints, self.program.points.count)
         return ca.vertcat(2 * ca.repmat(self._weight, layout.joints, 1) * torque, rest)
@@ -86,13 +86,11 @@ class Assembly:
         """(x, p) -> rows, Jacobian of the rows."""
         o, J = self._jacobians()
         rows = ca.mtimes(self._C, ca.vec(o)) + ca.mtimes(self._D, self.x)
-        return ca.Function(
-            "nlp_jac_g", [self.x, self.p], [rows, ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D]
-        )
+        return ca.Function("nlp_jac_g", [self.x, self.p], [rows, ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D])
 
     @cached_property
     def first_order(self) -> Any:
-        """x -> gradient of the objective, rows, Jacobian of the rows."""
+        """X -> gradient of the objective, rows, Jacobian of the rows."""
         o, J = self._jacobians()
         rows = ca.mtimes(self._C, ca.vec(o)) + ca.mtimes(self._D, self.x)
         jacobian = ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D
@@ -127,8 +125,8 @@ class Caller:
 
     def __init__(self, function: Any) -> None:
         self._buffer, self._call = function.buffer()
-        self._arguments = [np.zeros(function.nnz_in(k)) for k in range(function.n_in())]
-        self.results = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
+        self._arguments: list[Any] = [np.zeros(function.nnz_in(k)) for k in range(function.n_in())]
+        self.results: list[Any] = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
         self._patterns = [function.sparsity_out(k) for k in range(function.n_out())]
         for k, array in enumerate(self._arguments):
             self._buffer.set_arg(k, memoryview(array))

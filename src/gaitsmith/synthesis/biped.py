@@ -140,7 +140,9 @@ def _check_symmetry(robot: Robot, partner: npt.NDArray[np.int64], sign: Array) -
     expected = np.concatenate([plain[:6] * base, plain[6:][partner] * sign])
     error = np.abs(image_forces - expected).max() / np.abs(plain).max()
     if error > _SYMMETRY:
-        raise BadInput("robot", robot.card.name, "a robot that is its own mirror image", f"forces differ by {error:.1e}")
+        raise BadInput(
+            "robot", robot.card.name, "a robot that is its own mirror image", f"forces differ by {error:.1e}"
+        )
 
 
 def biped_from(robot: Robot) -> Biped:
@@ -152,7 +154,9 @@ def biped_from(robot: Robot) -> Biped:
     for leg in robot.legs:
         if len(leg.joints) < 6 or leg.sole.kind != "rectangle":
             given = f"{len(leg.joints)} joints, {leg.sole.kind} sole"
-            raise BadInput("robot", given, "legs with six joints and rectangular soles", "plan for thbip_ii, for example")
+            raise BadInput(
+                "robot", given, "legs with six joints and rectangular soles", "plan for thbip_ii, for example"
+            )
     if robot.legs[0].sole != robot.legs[1].sole:
         raise BadInput("robot", "different soles", "two equal soles")
     partner, sign = _mirror(robot)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
 import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
@@ -78,7 +77,7 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         if not phase.double:
             continue
         columns = trans.wrench_columns(index)
-        start, end = float(motion.borders[index]), float(motion.borders[index + 1])
+        start = float(motion.borders[index])
         label = Label("wrench of the other foot", "weights", index, start, 1.0)
         edge = phase.contact in ("heel", "toe")
         fixed: set[tuple[int, int]] = set()

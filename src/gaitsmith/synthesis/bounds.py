@@ -126,7 +126,10 @@ def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
         joint = int(biped.partner[local]) if mirrored else local
         sign = float(biped.sign[joint]) if mirrored else 1.0
         name = robot.joint_names[joint]
-        torque, speed = float(robot.torque_limit[joint]) * bounds.torque, float(robot.velocity_limit[joint]) * bounds.velocity
+        torque, speed = (
+            float(robot.torque_limit[joint]) * bounds.torque,
+            float(robot.velocity_limit[joint]) * bounds.velocity,
+        )
         low, high = float(robot.position_low[joint]), float(robot.position_high[joint])
         found.append(Bound(f"{name} torque", "N·m", {layout.torque + local: sign}, {}, -torque, torque, 2 * torque))
         found.append(Bound(f"{name} angle", "rad", {}, {layout.position + local: sign}, low, high, high - low))
@@ -147,9 +150,7 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
         for y in (-sole.half_width, sole.half_width):
             form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: y}
             rise = bounds.clearance
-            found.append(
-                Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands)
-            )
+            found.append(Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands))
     tilt = float(np.sin(bounds.foot_tilt))
     pitch = float(np.sin(bounds.foot_pitch))
     found.append(Bound("swing foot pitch", "rad", {layout.foot_pitch: 1.0}, {}, -pitch, pitch, 2 * pitch))
@@ -161,7 +162,7 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
 
 
 def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:
-    """Every bound that holds throughout a phase, in the phase's local frame (see :mod:`~gaitsmith.synthesis.layout`)."""
+    """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
     phase = motion.phases[index]
     layout, sole = Layout(biped.joints), biped.leg("left").sole
     margin = bounds.zmp_margin

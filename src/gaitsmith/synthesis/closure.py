@@ -7,6 +7,8 @@ what the knots alone give. Torques and the support wrench follow from the dynami
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 
@@ -16,6 +18,7 @@ from gaitsmith.synthesis.point import PointFunctions
 from gaitsmith.synthesis.transcription import WRENCH_DEGREE, Points, Transcription
 
 Array = npt.NDArray[np.float64]
+LocalPiece = tuple[float, float, Array]  # start, duration, joint coefficients in local order
 PARTS = 4  # pieces a section of double support is cut into
 _NEWTON = 8
 _CLOSED, _FAR = 1e-8, 0.2  # m or rad left of a gap; largest correction of a joint, rad
@@ -84,7 +87,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
         if not usable.any():
             break
         step = np.linalg.solve(J[usable][:, rows][:, :, columns], (wanted - o[rows]).T[usable][:, :, None])[:, :, 0]
-        z[np.ix_(columns, np.flatnonzero(usable))] += step.T
+        z[np.array(columns)[:, None], np.flatnonzero(usable)] += step.T
     return z
 
 
@@ -104,7 +107,7 @@ def _knots(trans: Transcription, phase: int) -> Array:
     knots = trans.spline.knots[first : first + sections + 1]
     if not trans.motion.phases[phase].double or trans.settings.order < 5:
         return np.array(knots)
-    fine = [a + (b - a) * k / PARTS for a, b in zip(knots[:-1], knots[1:], strict=True) for k in range(PARTS)]
+    fine = [a + (b - a) * k / PARTS for a, b in pairwise(knots) for k in range(PARTS)]
     return np.array([*fine, knots[-1]])
 
 
@@ -117,7 +120,9 @@ def _states(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
     return np.array((trans.input_map(points) @ x).reshape(len(times), trans.layout.inputs).T)
 
 
-def phase_pieces(trans: Transcription, functions: PointFunctions, x: Array, phase: int) -> list[tuple[float, float, Array]]:
+def phase_pieces(
+    trans: Transcription, functions: PointFunctions, x: Array, phase: int
+) -> list[tuple[float, float, Array]]:
     """Start, duration and local joint coefficients (n, degree + 1) of a phase's pieces."""
     n = trans.biped.joints
     knots = _knots(trans, phase)
@@ -129,10 +134,10 @@ def phase_pieces(trans: Transcription, functions: PointFunctions, x: Array, phas
         states = z[: 3 * n].reshape(3, n, len(knots))
         return [
             (float(a), float(b - a), hermite(float(b - a), states[:, :, k], states[:, :, k + 1]))
-            for k, (a, b) in enumerate(zip(knots[:-1], knots[1:], strict=True))
+            for k, (a, b) in enumerate(pairwise(knots))
         ]
     basis, found = power_basis(trans.settings.order), []
-    for k, (a, b) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+    for k, (a, b) in enumerate(pairwise(knots)):
         section = trans.first_section[phase] + k
         control = np.array([x[trans.joint_columns(j, section)] for j in range(n)])
         joints = control @ (basis @ trans.spline.sections[section]).T
@@ -141,7 +146,7 @@ def phase_pieces(trans: Transcription, functions: PointFunctions, x: Array, phas
 
 
 def _wrench_at(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
-    """u (6, N) of a phase, N and N·m, about the pivot, local axes."""
+    """U (6, N) of a phase, N and N·m, about the pivot, local axes."""
     item = trans.motion.phases[phase]
     if not item.double:
         return np.zeros((6, len(times)))
@@ -151,7 +156,7 @@ def _wrench_at(trans: Transcription, x: Array, phase: int, times: Array) -> Arra
     return np.asarray(coefficients @ s[None, :] ** powers[:, None])
 
 
-def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[tuple[float, float, Array]], times: Array) -> Array:
+def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[LocalPiece], times: Array) -> Array:
     """Inputs (inputs, N) of a phase from its pieces."""
     n = trans.biped.joints
     z = np.zeros((trans.layout.inputs, len(times)))
@@ -173,7 +178,7 @@ def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[tuple[
 
 
 def finished_pieces(
-    trans: Transcription, functions: PointFunctions, x: Array, phase: int, pieces: list[tuple[float, float, Array]]
+    trans: Transcription, functions: PointFunctions, x: Array, phase: int, pieces: list[LocalPiece]
 ) -> tuple[Piece, ...]:
     """A phase's pieces in the robot's own order and world axes, with torques and both wrenches."""
     layout, n = trans.layout, trans.biped.joints
@@ -182,9 +187,8 @@ def finished_pieces(
     to_series = np.polynomial.chebyshev.chebvander(nodes, _SAMPLES - 1).T * (2.0 / _SAMPLES)
     to_series[0] /= 2.0
     times = np.concatenate([start + span * (nodes + 1.0) / 2.0 for start, span, _ in pieces])
-    z = np.hstack(
-        [local_inputs(trans, x, phase, [piece], start_times) for piece, start_times in zip(pieces, np.split(times, len(pieces)), strict=True)]
-    )
+    halves = zip(pieces, np.split(times, len(pieces)), strict=True)
+    z = np.hstack([local_inputs(trans, x, phase, [piece], part) for piece, part in halves])
     o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])))
     torque, support = o[layout.torque : layout.torque + n], o[layout.force : layout.force + 6]
     u = z[layout.wrench :].copy()
@@ -202,7 +206,9 @@ def finished_pieces(
     for k, (start, span, _) in enumerate(pieces):
         part = slice(k * _SAMPLES, (k + 1) * _SAMPLES)
         found.append(
-            Piece(start, span, joints[k], _trimmed(torque[:, part] @ to_series.T), _trimmed(wrench[:, part] @ to_series.T))
+            Piece(
+                start, span, joints[k], _trimmed(torque[:, part] @ to_series.T), _trimmed(wrench[:, part] @ to_series.T)
+            )
         )
     return tuple(found)
 
@@ -213,5 +219,3 @@ def _trimmed(series: Array) -> Array:
     floor = 1e-9 * max(float(size.max()), 1.0)
     keep = np.flatnonzero(size > floor)
     return series[:, : (int(keep[-1]) + 1 if len(keep) else 1)].copy()
-
-

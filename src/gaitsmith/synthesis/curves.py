@@ -16,7 +16,7 @@ def bernstein(degree: int, s: float, derivative: int = 0) -> Array:
         return np.zeros(degree + 1)
     if derivative:
         lower = bernstein(degree - 1, s, derivative - 1)
-        return degree * (np.append(0.0, lower) - np.append(lower, 0.0))
+        return np.asarray(degree * (np.append(0.0, lower) - np.append(lower, 0.0)))
     return np.array([comb(degree, k) * s**k * (1.0 - s) ** (degree - k) for k in range(degree + 1)])
 
 
@@ -70,7 +70,9 @@ def _bezier_maps(knots: Array, degree: int) -> list[Array]:
     Blossoming: a Bernstein coefficient is the spline's blossom at the section's two ends, each repeated.
     """
     multiplicity = degree - 2
-    padded = np.concatenate([[knots[0]] * (degree + 1), np.repeat(knots[1:-1], multiplicity), [knots[-1]] * (degree + 1)])
+    padded = np.concatenate(
+        [[knots[0]] * (degree + 1), np.repeat(knots[1:-1], multiplicity), [knots[-1]] * (degree + 1)]
+    )
     maps = []
     for section in range(len(knots) - 1):
         start = degree + section * multiplicity

@@ -93,13 +93,12 @@ def new_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick],
             if trans.bounds[phase][bound].interior:
                 v = v.copy()
                 v[[0, last]] = -1.0
-            peaks = [k for k in np.flatnonzero(v > tolerance) if v[k] >= v[max(k - 1, 0)] and v[k] > v[min(k + 1, last)]]
+            above = [int(k) for k in np.flatnonzero(v > tolerance)]
+            peaks = [k for k in above if v[k] >= v[max(k - 1, 0)] and v[k] > v[min(k + 1, last)]]
             peaks = peaks or [int(np.argmax(v))]
             for k in sorted(peaks, key=lambda k: -v[k])[:4]:
                 near = [
-                    i
-                    for i in known.get((phase, int(bound)), [])
-                    if abs(found[i].time - item.times[k]) < _SAME * length
+                    i for i in known.get((phase, int(bound)), []) if abs(found[i].time - item.times[k]) < _SAME * length
                 ]
                 if near:
                     i = min(near, key=lambda i: abs(found[i].time - item.times[k]))

@@ -74,8 +74,10 @@ class StateFinder:
         return FullState(data.qpos.copy(), data.qvel.copy(), data.qacc.copy())
 
     def foot(self, side: str, point: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """Motion of the other foot in the state that :meth:`find` left: point, its velocity and acceleration (3 each),
-        the sole's rotation (3, 3), angular velocity and acceleration (3); world axes.
+        """Motion of a foot in the state that :meth:`find` left; world axes.
+
+        Returns the point, its velocity and its acceleration (3 each), then the sole's rotation (3, 3), angular velocity
+        and angular acceleration (3 each).
 
         Args:
             side: left or right.

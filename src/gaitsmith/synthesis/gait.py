@@ -99,14 +99,14 @@ class Gait:
             found[:, mask] = np.polynomial.chebyshev.chebval(2.0 * s - 1.0, coefficients.T)
         return found
 
-    def _split(self, phase: int, times: Array) -> list[tuple[Piece, Array, Array]]:
+    def _split(self, phase: int, times: Array) -> list[tuple[Piece, npt.NDArray[np.int64], Array]]:
         """Pieces with the times that fall into them and their normalised time."""
         pieces = self.pieces[phase]
         starts = np.array([piece.start for piece in pieces])
         index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
         found = []
         for k, piece in enumerate(pieces):
-            mask = np.flatnonzero(index == k)
+            mask = np.flatnonzero(index == k).astype(np.int64)
             if len(mask):
                 found.append((piece, mask, np.clip((times[mask] - piece.start) / piece.duration, 0.0, 1.0)))
         return found
@@ -161,7 +161,13 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
         assert foothold is not None
         phases.append(
             Phase(
-                phase.name, phase.duration, side, phase.contact, foothold, place(phase.other), phase.sections  # type: ignore[arg-type]
+                phase.name,
+                phase.duration,
+                side,
+                phase.contact,
+                foothold,
+                place(phase.other),
+                phase.sections,
             )
         )
     swap = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])

@@ -15,7 +15,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, write_text_atomic
 from gaitsmith.robots import Robot, load_robot, robot_names
 from gaitsmith.synthesis.gait import CHANNELS, Gait, Piece
-from gaitsmith.synthesis.motion import At, Limit, Motion, Phase
+from gaitsmith.synthesis.motion import QUANTITIES, At, Limit, Motion, Phase
 
 FORMAT = "gaitsmith-gait"
 VERSION = 1
@@ -200,7 +200,7 @@ def _parse(document: dict[str, Any]) -> Gait:
             raise BadInput(f"{field}.other_foothold", other, "two numbers, or null in the air")
         limits = tuple(
             Limit(
-                str(limit["quantity"]),
+                _word(limit["quantity"], f"{field}.limits", QUANTITIES),
                 -np.inf if limit["low"] is None else _number(limit["low"], f"{field}.limits"),
                 np.inf if limit["high"] is None else _number(limit["high"], f"{field}.limits"),
             )
@@ -236,7 +236,11 @@ def _parse(document: dict[str, Any]) -> Gait:
         )
         groups.append(tuple(pieces))
     conditions = tuple(
-        At(int(_number(c["border"], "conditions", 0, len(phases))), str(c["quantity"]), _number(c["value"], "conditions"))
+        At(
+            int(_number(c["border"], "conditions", 0, len(phases))),
+            str(c["quantity"]),
+            _number(c["value"], "conditions"),
+        )
         for c in document["conditions"]
     )
     parameters = {str(key): _number(value, f"parameters.{key}") for key, value in document["parameters"].items()}

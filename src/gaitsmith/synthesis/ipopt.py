@@ -69,7 +69,7 @@ class Solution:
     multipliers: Array
 
 
-class _Watch(ca.Callback):  # type: ignore[misc]
+class _Watch(ca.Callback):
     """Reports iterations, and stops the solver at the time limit or on Ctrl-C."""
 
     def __init__(self, program: Program, report: Callable[[Progress], None] | None, deadline: float) -> None:
@@ -95,7 +95,7 @@ class _Watch(ca.Callback):  # type: ignore[misc]
             return ca.Sparsity.dense(self.program.rows)
         return ca.Sparsity(0, 0)
 
-    def eval(self, arg: list[Any]) -> list[Any]:
+    def eval(self, arg: Any) -> list[Any]:
         self.iteration += 1
         try:
             if self.report is not None:
@@ -136,7 +136,7 @@ def solve_ipopt(
     begin = time.perf_counter()
     assembly = Assembly(program)
     watch = _Watch(program, report, begin + time_limit)
-    ipopt = {
+    ipopt: dict[str, Any] = {
         "print_level": 0,
         "sb": "yes",
         "tol": tolerance,
@@ -166,7 +166,7 @@ def solve_ipopt(
         },
     )
     ready = time.perf_counter()
-    given = {"x0": start, "lbg": program.low, "ubg": program.high}
+    given: dict[str, Any] = {"x0": start, "lbg": program.low, "ubg": program.high}
     if multipliers is not None:
         given["lam_g0"] = multipliers
     result = solver(**given)

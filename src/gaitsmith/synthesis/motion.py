@@ -115,6 +115,9 @@ class Same:
     other: int
 
 
+Condition = At | State | Same
+
+
 @dataclass(frozen=True)
 class Motion:
     """Phases and conditions.
@@ -129,7 +132,7 @@ class Motion:
 
     name: str
     phases: tuple[Phase, ...]
-    conditions: tuple[At | State | Same, ...] = ()
+    conditions: tuple[Condition, ...] = ()
     cyclic: bool = False
     parameters: dict[str, float] = field(default_factory=dict)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -45,7 +46,7 @@ class _PhaseText(Parameters):
     support_at: Place
     other_at: Place | None = None
     sections: Annotated[int, Field(ge=1, le=20)] = 1
-    limits: dict[str, _Range] = {}
+    limits: dict[str, _Range] = Field(default_factory=dict)
 
 
 class _ConditionText(Parameters):
@@ -55,7 +56,7 @@ class _ConditionText(Parameters):
     rest: bool = False
     standing: bool = False
     same_as: str | None = None
-    values: dict[str, Finite] = {}
+    values: dict[str, Finite] = Field(default_factory=dict)
 
 
 class MotionText(Parameters):
@@ -155,7 +156,7 @@ def _check_contacts(phases: tuple[Phase, ...], source: str, cyclic: bool) -> Non
     """Feet may only move in the air, and a foot must be on the ground before it can bear the robot."""
     if cyclic and phases[-1].support == phases[0].support:
         raise BadInput(f"{source}: cyclic", True, "a last phase whose support foot differs from the first's")
-    for before, after in zip(phases[:-1], phases[1:], strict=True):
+    for before, after in pairwise(phases):
         field = f"{source}: phases.{after.name}"
         if before.support != after.support and not (before.double and after.double):
             remedy = "the support changes between two phases with both feet on the ground"

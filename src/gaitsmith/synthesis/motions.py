@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.biped import Biped
-from gaitsmith.synthesis.motion import At, Limit, Motion, Phase, Same, Side, State, opposite
+from gaitsmith.synthesis.motion import At, Condition, Limit, Motion, Phase, Same, Side, State, opposite
 
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
@@ -130,7 +129,7 @@ def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Ar
     phases = [Phase("weight shift", step.shift, "right", "flat", right, (0.0, half), 2)]
     phases += _swing(step, "right", right) + _transfer(step, "right", right, left)
     phases += _swing(step, "left", left) + _transfer(step, "left", left, right2)
-    conditions = (
+    conditions: tuple[Condition, ...] = (
         State(0, rest, np.zeros_like(rest)),
         *_apex(biped, step, 2),
         _strike(step, 3),
@@ -149,7 +148,7 @@ def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Ar
     phases = _swing(step, "right", right) + _transfer(step, "right", right, left)
     phases += _swing(step, "left", left)
     phases.append(Phase("weight shift", step.shift, "left", "flat", left, right2, 2))
-    conditions = (
+    conditions: tuple[Condition, ...] = (
         State(0, *begin),
         *_apex(biped, step, 1),
         _strike(step, 2),
@@ -182,7 +181,7 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
         Phase("shift back", d[5], "right", "flat", right, left, 2),
     )
     still = np.zeros_like(rest)
-    conditions = (
+    conditions: tuple[Condition, ...] = (
         State(0, rest, still),
         State(1, velocity=still),
         At(2, "ankle_z", top),

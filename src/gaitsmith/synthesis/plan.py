@@ -84,6 +84,40 @@ class PlanResult:
         return self.status == "solved"
 
 
+@dataclass(frozen=True, eq=False)
+class _Tally:
+    """What is known after a solve."""
+
+    objective: float
+    iterations: int
+    rounds: int
+    times: dict[str, float]
+    trans: Transcription
+    program: Program
+    x: Array
+    picks: list[Pick]
+    found: Solution
+
+    def result(self, status: str, reason: str, worst: list[Worst], gait: Gait | None = None) -> PlanResult:
+        """The result of planning."""
+        return PlanResult(
+            status,
+            reason,
+            gait,
+            self.objective,
+            self.iterations,
+            self.rounds,
+            self.times,
+            self.trans.size,
+            self.program.rows,
+            worst,
+            self.x,
+            self.picks,
+            self.trans.motion.borders,
+            self.found,
+        )
+
+
 class Planner:
     """Plans motions for one robot; the compiled functions are loaded once.
 
@@ -145,18 +179,9 @@ class Planner:
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
             z, o = program.evaluate(x)
-            objective = program.objective(z, o)
-
-            def result(
-                status: str, reason: str, worst: list[Worst], gait: Gait | None = None, J: float = objective
-            ) -> PlanResult:
-                return PlanResult(
-                    status, reason, gait, J, iterations, rounds, times, trans.size, program.rows, worst, x, picks,
-                    motion.borders, found,
-                )
-
+            tally = _Tally(program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found)
             if not found.solved:
-                return result("not solved", explain(trans, program, found, time.perf_counter() > deadline), [])
+                return tally.result("not solved", explain(trans, program, found, time.perf_counter() > deadline), [])
             clock = time.perf_counter()
             checks = check(trans, self.functions, x, settings.dense)
             times["check"] += time.perf_counter() - clock
@@ -167,14 +192,14 @@ class Planner:
                 worst = certificate(trans, checks)
                 first = worst[0]
                 text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
-                return result("not certified", f"{text}, after {rounds} refinements", worst)
+                return tally.result("not certified", f"{text}, after {rounds} refinements", worst)
             picks = new_picks(trans, checks, picks, _AIM)
             rounds += 1
         worst = certificate(trans, checks)
         clock = time.perf_counter()
-        gait = self._gait(trans, x, worst, found, objective)
+        gait = self._gait(trans, x, worst, found, tally.objective)
         times["check"] += time.perf_counter() - clock
-        return result("solved", "", worst, gait)
+        return tally.result("solved", "", worst, gait)
 
     def _solve(
         self,

@@ -144,6 +144,11 @@ def _compile(functions: list[Any], compiler: str, target: Path) -> None:
         built.replace(target)
 
 
+def _packed(layout: Layout, functions: list[Any], compiled: bool, spent: float) -> PointFunctions:
+    value, jacobian, hessian = functions
+    return PointFunctions(layout, value, jacobian, hessian, compiled, spent)
+
+
 def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -> PointFunctions:
     """The functions of a point for one robot, from the cache, the compiler, or CasADi's virtual machine.
 
@@ -168,9 +173,9 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
                 _compile(_expressions(biped), compiler, library)
             except (OSError, subprocess.CalledProcessError) as error:
                 tell(f"the C compiler failed ({error}); going on without it, about four times slower")
-                return PointFunctions(layout, *_expressions(biped), compiled=False, compile_s=0.0)
+                return _packed(layout, _expressions(biped), False, 0.0)
             spent = time.perf_counter() - begin
         loaded = [ca.external(name, str(library)) for name in _NAMES]
-        return PointFunctions(layout, *loaded, compiled=True, compile_s=spent)
+        return _packed(layout, loaded, True, spent)
     tell("no C compiler found: going on without one, about four times slower, with the same answers")
-    return PointFunctions(layout, *_expressions(biped), compiled=False, compile_s=0.0)
+    return _packed(layout, _expressions(biped), False, 0.0)

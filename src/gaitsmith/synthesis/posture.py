@@ -26,7 +26,9 @@ class Poser:
         self.data = mujoco.MjData(biped.model)
         self._jacobian = np.zeros((6, biped.model.nv))
 
-    def solve(self, hip: Array, soles: dict[str, Array], pitches: dict[str, float], guess: Array) -> tuple[Array, float]:
+    def solve(
+        self, hip: Array, soles: dict[str, Array], pitches: dict[str, float], guess: Array
+    ) -> tuple[Array, float]:
         """Joint angles (n,) and the largest remaining error (m or rad).
 
         Args:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -138,5 +137,3 @@ def all_picks(trans: Transcription, points: Points) -> list[Pick]:
             if not (bound.interior and (start or end)) and not unloaded:
                 found.append(Pick(phase, k, time))
     return found
-
-

@@ -93,8 +93,8 @@ class _Reference:
 
     def __init__(self, robot: Robot, gait: Gait, settle: float) -> None:
         borders = gait.motion.borders
-        count = int(round(float(borders[-1]) / _TICK))
-        times = np.arange(count + 1) * _TICK
+        count = round(float(borders[-1]) / _TICK)
+        times: Array = np.arange(count + 1, dtype=np.float64) * _TICK
         n = len(gait.joint_names)
         self.phase = np.clip(np.searchsorted(borders, times, side="right") - 1, 0, len(borders) - 2)
         self.q, self.v, self.a = np.zeros((count + 1, n)), np.zeros((count + 1, n)), np.zeros((count + 1, n))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -63,7 +63,9 @@ def stride(speed: float | None, length: float | None, period: float | None) -> t
         return found, period
     if length is not None:
         if length <= 0.125:
-            raise BadInput("--step-length", length, "more than 0.125 m when given alone", "give --speed or --period too")
+            raise BadInput(
+                "--step-length", length, "more than 0.125 m when given alone", "give --speed or --period too"
+            )
         return length, length / ((length - 0.12) / 0.2)
     return 0.15, 1.0
 
@@ -81,10 +83,10 @@ class Request:
     """
 
     kind: Kind
-    step: StepParameters = StepParameters(0.15, 1.0)
-    kick: KickParameters = KickParameters()
+    step: StepParameters = field(default_factory=lambda: StepParameters(0.15, 1.0))
+    kick: KickParameters = field(default_factory=KickParameters)
     cycles: int = 10
-    settings: Settings = Settings()
+    settings: Settings = field(default_factory=Settings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +147,9 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
 
 def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanResult, end: PlanResult) -> Gait:
     """Start, cycles and stop as one gait."""
-    assert begin.gait is not None and cycle.gait is not None and end.gait is not None
+    assert begin.gait is not None
+    assert cycle.gait is not None
+    assert end.gait is not None
     partner, sign = planner.biped.partner, planner.biped.sign
     gaits = [begin.gait]
     for step in range(request.cycles):
@@ -174,4 +178,3 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
         solver=solver,
         certificate=begin.gait.certificate | {"worst": ranked},
     )
-

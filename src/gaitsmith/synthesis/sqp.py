@@ -49,7 +49,7 @@ def solve_sqp(
     assembly = Assembly(program)
     first_order, hessian = Caller(assembly.first_order), Caller(assembly.hessian)
     equal = program.high - program.low <= 0.0
-    bounded = np.flatnonzero(~equal)
+    bounded = np.flatnonzero(~equal).astype(np.int64)
     ready = time.perf_counter()
     x, lam = start.copy(), multipliers.copy()
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
@@ -117,8 +117,8 @@ def _step(
     rows: Array,
     jacobian: Array,
     H: Array,
-    equal: Array,
-    bounded: Array,
+    equal: npt.NDArray[np.bool_],
+    bounded: npt.NDArray[np.int64],
 ) -> tuple[Array, Array] | None:
     """Step and multipliers of the quadratic program; None if it has no solution."""
     A, b = jacobian[equal], program.low[equal] - rows[equal]

@@ -78,7 +78,10 @@ class Transcription:
 
     def points(self) -> Points:
         """Gauss-Lobatto points of every section; a knot inside a phase is one point."""
-        phase, section, time, weight = [], [], [], []
+        phase: list[int] = []
+        section: list[int] = []
+        time: list[float] = []
+        weight: list[float] = []
         for index, item in enumerate(self.motion.phases):
             nodes, weights = lobatto(self.settings.double_nodes if item.double else self.settings.single_nodes)
             for k in range(item.sections):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -132,7 +133,7 @@ class _Recorder:
         return o, z, found
 
     def _kinematics(self, base: Array, pivot: Array) -> tuple[Array, Array]:
-        """The kinematic outputs of one instant in local axes, and the pivot seen from the sole's origin in the world's."""
+        """Kinematic outputs of one instant in local axes, and the pivot seen from the sole's origin in the world's."""
         layout, finder, biped = self.layout, self.finder, self.biped
         m = _MIRROR3 if self.phase.side < 0 else np.ones(3)
         o = np.zeros(layout.outputs)
@@ -170,9 +171,7 @@ class _Recorder:
                     verdict.closure[name] = max(verdict.closure[name], float(error))
 
 
-def verify(
-    gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, int], None] | None = None
-) -> Verdict:
+def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, int], None] | None = None) -> Verdict:
     """Check a gait against MuJoCo.
 
     Args:
@@ -200,7 +199,13 @@ def verify(
         edge_states.append((found[0], found[-1]))
         ends[index] = (o[:, 0], o[:, -1])
         items = phase_bounds(biped, bounds, gait.motion, index)
-        merge(verdict.worst, phase, items, times, BoundTable(recorder.layout, items).values(o, z, np.linspace(0.0, 1.0, dense)))
+        merge(
+            verdict.worst,
+            phase,
+            items,
+            times,
+            BoundTable(recorder.layout, items).values(o, z, np.linspace(0.0, 1.0, dense)),
+        )
         _feet(verdict, biped, gait, index, o, recorder.layout)
         wrench = gait.wrenches(index, times)
         verdict.hull_margin = min(verdict.hull_margin, 1e3 * hull_margin(biped, phase, wrench))
@@ -247,11 +252,10 @@ def _seams(
     """Jumps where sections and phases meet, the cyclic seam included."""
     borders = gait.motion.borders
     last = len(gait.motion.phases) - 1
-    for index, pieces in enumerate(gait.pieces):
-        for piece in pieces[1:]:
-            k = pieces.index(piece) - 1
-            left = np.polynomial.chebyshev.chebval(1.0, pieces[k].torque.T)
-            right = np.polynomial.chebyshev.chebval(-1.0, piece.torque.T)
+    for pieces in gait.pieces:
+        for one, two in pairwise(pieces):
+            left = np.polynomial.chebyshev.chebval(1.0, one.torque.T)
+            right = np.polynomial.chebyshev.chebval(-1.0, two.torque.T)
             verdict.torque_jump = max(verdict.torque_jump, float(np.abs(left - right).max()))
     pairs = [(gait, index, gait, index + 1, edges[index][1], edges[index + 1][0]) for index in range(last)]
     if gait.motion.cyclic:
@@ -280,9 +284,8 @@ def _judge(verdict: Verdict) -> None:
     problems = verdict.problems
     for item in ranked(verdict.worst):
         if item.violation > ALLOWED or not np.isfinite(item.value):
-            problems.append(
-                f"{item.constraint}: {item.value:.6g} of {item.limit:.6g} {item.unit} at {item.time:.4g} s ({item.phase})"
-            )
+            value = f"{item.value:.6g} of {item.limit:.6g} {item.unit}"
+            problems.append(f"{item.constraint}: {value} at {item.time:.4g} s ({item.phase})")
     for name, limit in CLOSURE.items():
         if not verdict.closure[name] <= limit:
             problems.append(f"closure {name}: {verdict.closure[name]:.3g}, allowed {limit:g}")
