@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gaitsmith.compiled import kernel
+from gaitsmith.compiled import Vector, kernel
 from gaitsmith.control.frames import Frames
 from gaitsmith.control.measurement import Measurement
 from gaitsmith.control.state import ControlState, TickGains
@@ -16,9 +16,11 @@ _LONGEST_STRADDLE = 0.06  # m, forward distance of the soles at which a walk may
 
 
 @kernel
-def _leave_rest(step: StepState, requested: Gait, latched: Gait, frames: Frames, control: ControlState) -> None:
+def _leave_rest(
+    step: StepState, requested: Gait, latched: Gait, frames: Frames, com: Vector, control: ControlState
+) -> None:
     """Take the first step, towards the side that the command points to."""
-    latch(requested, latched)
+    latch(step, requested, latched)
     stance = LEFT if requested.speed[1] < 0.0 else RIGHT
     swing = RIGHT if stance == LEFT else LEFT
     desired = control.foot_desired[3 * stance : 3 * stance + 3]
@@ -26,8 +28,14 @@ def _leave_rest(step: StepState, requested: Gait, latched: Gait, frames: Frames,
         desired[0, axis] = frames.relative[stance, 0, axis]
         desired[1, axis] = 0.0
         desired[2, axis] = 0.0
+    step.station_kept[0] = 0
+    if requested.speed[0] == 0.0 and requested.speed[1] == 0.0:
+        step.station_kept[0] = 1
+        step.station[0] = com[0]
+        step.station[1] = com[1]
     begin_step(step, stance, desired, frames.relative[swing], frames.sole_pitch[swing])
     step.last_duration[0] = 0.0
+    step.settling[0] = 3
     step.mode[0] = WALK
 
 
@@ -43,7 +51,7 @@ def _may_rest(step: StepState, frames: Frames, gains: TickGains) -> bool:
 @kernel
 def _stand(step: StepState, requested: Gait, latched: Gait, control: ControlState, gains: TickGains) -> None:
     """Follow the commanded height while standing."""
-    latch(requested, latched)
+    latch(step, requested, latched)
     step.station_kept[0] = 0
     change = latched.height[0] - control.standing_height[0]
     limit = _HEIGHT_RATE * gains.dt
@@ -59,17 +67,18 @@ def advance_phase(
     rule: TouchdownRule,
     gains: TickGains,
     frames: Frames,
+    com: Vector,
     control: ControlState,
     measurement: Measurement,
 ) -> bool:
-    """Advance the step's clock and switch legs on touchdown.
+    """Advance the step's clock and switch legs on touchdown; ``com`` is the CoM in the world, m.
 
     Returns:
         True if the swing leg changed, so that its references must restart from the measured joints.
     """
     if step.mode[0] == STAND:
         if step.walk_requested[0] == 1:
-            _leave_rest(step, requested, latched, frames, control)
+            _leave_rest(step, requested, latched, frames, com, control)
             return True
         _stand(step, requested, latched, control, gains)
         return False

@@ -35,6 +35,7 @@ class ControlState(NamedTuple):
         arm: (3,) CoM relative to the stance sole, heading frame, m.
         expected: (4,) velocity that the foothold answers to and its reference, heading frame, m/s.
         drift: (2,) CoM relative to the station, heading frame, m.
+        com_offset: (2,) CoM relative to the hip midpoint, heading frame, m.
         com_acceleration: (2,) predicted by the last whole-body solution, heading frame, m/s².
         target: (2, 3) scratch: position and velocity of a sole, torso frame.
         target_rotation: (3, 3) scratch: sole to torso.
@@ -57,6 +58,7 @@ class ControlState(NamedTuple):
     arm: Vector
     expected: Vector
     drift: Vector
+    com_offset: Vector
     com_acceleration: Vector
     target: Matrix
     target_rotation: Matrix
@@ -109,6 +111,7 @@ def make_control_state(robot: Robot, estimated: bool) -> ControlState:
         arm=np.zeros(3),
         expected=np.zeros(4),
         drift=np.zeros(2),
+        com_offset=np.zeros(2),
         com_acceleration=np.zeros(2),
         target=np.zeros((2, 3)),
         target_rotation=np.zeros((3, 3)),

@@ -101,6 +101,8 @@ def _run_template(table: int) -> None:
     control.arm[2] = tree_state.com[2] - place[2]
     touchdown_velocity(step, latched, foothold, frames.com_velocity, control.arm, control.expected)
     _turn_to_heading(frames, tree_state.com[0] - step.station[0], tree_state.com[1] - step.station[1], control.drift)
+    hip = frames.hip_position
+    _turn_to_heading(frames, tree_state.com[0] - hip[0], tree_state.com[1] - hip[1], control.com_offset)
     _com_acceleration(tree_state, frames, whole_body, control)
     foothold_target(
         step,
@@ -109,6 +111,8 @@ def _run_template(table: int) -> None:
         control.expected,
         control.com_acceleration,
         control.drift,
+        control.arm[2],
+        control.com_offset,
         frames.relative[stance, 0, 1],
         control.foothold,
     )
@@ -337,7 +341,9 @@ def tick(table: int) -> None:
         return
     update(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
-    switched = advance_phase(step, requested, latched, foothold, touchdown, gains, frames, control, measurement)
+    switched = advance_phase(
+        step, requested, latched, foothold, touchdown, gains, frames, tree_state.com, control, measurement
+    )
     if step.mode[0] == WALK:
         stance = step.stance[0]
         swing = RIGHT if stance == LEFT else LEFT

@@ -59,11 +59,15 @@ class FootholdParameters(Parameters):
 
     Attributes:
         velocity_gain: k_v forward and lateral, s; multiplies the velocity error.
+        deadbeat: share of a linear pendulum's own gain in k_v: 1 uses ``coth(ωT) / ω``, which stops the pendulum
+            within one step whatever the period, 0 the fixed k_v of the paper.
         acceleration_gain: k_a, s²; multiplies the CoM acceleration.
         prediction: share of a linear pendulum's forecast in the velocity: 0 takes the present velocity, as in the
             paper, 1 the one expected at touchdown.
         mean_speed: 1 compares the velocity at touchdown with what a pendulum has there when its mean over the step
-            is the command; 0 compares it with the command itself, as in the paper.
+            is the command, takes the step's length from how long steps really last, and measures the foothold from
+            the CoM; 0 compares with the command itself, takes ``T v_d`` and measures from the hip midpoint, as in
+            the paper.
         integral_gain: per-step integral of the mean velocity error, forward and lateral, s.
         integral_limit: bound on the integral's contribution, m.
         station_gain: offset of the foothold per metre of drift while the commanded speed is zero.
@@ -75,6 +79,7 @@ class FootholdParameters(Parameters):
 
     velocity_gain: tuple[NonNegative, NonNegative]
     acceleration_gain: NonNegative = 0.0
+    deadbeat: Fraction = 0.0
     prediction: Fraction = 0.0
     mean_speed: Fraction = 0.0
     integral_gain: tuple[NonNegative, NonNegative] = (0.0, 0.0)

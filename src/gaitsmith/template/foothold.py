@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 _GRAVITY = 9.81
+_LARGEST_ERROR = 0.1  # m/s, so that a push does not wind up the integral
 _LOWEST_COM = 0.05  # m, keeps a fallen robot's pendulum finite
 
 
@@ -26,6 +27,7 @@ class FootholdGains(NamedTuple):
     velocity_gain_x: float
     velocity_gain_y: float
     acceleration_gain: float
+    deadbeat: float
     prediction: float
     mean_speed: float
     integral_gain_x: float
@@ -44,6 +46,7 @@ def make_foothold_gains(parameters: FootholdParameters) -> FootholdGains:
     return FootholdGains(
         *parameters.velocity_gain,
         parameters.acceleration_gain,
+        parameters.deadbeat,
         parameters.prediction,
         parameters.mean_speed,
         *parameters.integral_gain,
@@ -59,6 +62,18 @@ def make_foothold_gains(parameters: FootholdParameters) -> FootholdGains:
 @kernel
 def _clip(value: float, bound: float) -> float:
     return min(max(value, -bound), bound)
+
+
+@kernel
+def pendulum_frequency(com_height: float) -> float:
+    """ω of a linear pendulum with its mass ``com_height`` above the ground, 1/s."""
+    return math.sqrt(_GRAVITY / max(com_height, _LOWEST_COM))
+
+
+@kernel
+def expected_duration(step: StepState, gait: Gait) -> float:
+    """How long the present step will last, from how long steps have lasted, s."""
+    return step.duration_ratio[0] * gait.period[0]
 
 
 @kernel
@@ -78,10 +93,11 @@ def touchdown_velocity(
         arm: (3,) CoM relative to the stance sole, heading frame, m.
         out: (4,) velocity forward and lateral, reference forward and lateral, m/s.
     """
-    omega = math.sqrt(_GRAVITY / max(arm[2], _LOWEST_COM))
-    half = 0.5 * omega * gait.period[0]
+    omega = pendulum_frequency(arm[2])
+    duration = expected_duration(step, gait)
+    half = 0.5 * omega * duration
     ratio = 1.0 + gains.mean_speed * (half / math.tanh(half) - 1.0)
-    remaining = omega * max(gait.period[0] - step.time[0], 0.0)
+    remaining = omega * max(duration - step.time[0], 0.0)
     grow, carry = math.sinh(remaining), math.cosh(remaining)
     for axis in range(2):
         expected = carry * velocity[axis] + omega * grow * arm[axis]
@@ -97,6 +113,8 @@ def foothold_target(
     velocity: Vector,
     acceleration: Vector,
     drift: Vector,
+    com_height: float,
+    com_offset: Vector,
     stance_y: float,
     out: Vector,
 ) -> None:
@@ -111,17 +129,25 @@ def foothold_target(
         velocity: (4,) from :func:`touchdown_velocity`.
         acceleration: (2,) CoM acceleration, heading frame, m/s².
         drift: (2,) CoM position relative to the station, heading frame, m.
+        com_height: CoM above the stance sole, m.
+        com_offset: (2,) CoM relative to the hip midpoint, heading frame, m.
         stance_y: lateral position of the stance sole, hip midpoint, heading frame, m.
         out: (2,) target, m.
     """
     side = -1.0 if step.stance[0] == LEFT else 1.0
+    omega = pendulum_frequency(com_height)
+    expected = expected_duration(step, gait)
+    deadbeat = 1.0 / (omega * math.tanh(omega * expected))
+    duration = gait.period[0] + gains.mean_speed * (expected - gait.period[0])
     for axis in range(2):
         gain = gains.velocity_gain_x if axis == 0 else gains.velocity_gain_y
+        gain += gains.deadbeat * (deadbeat - gain)
         out[axis] = (
-            0.5 * gait.period[0] * gait.speed[axis]
+            0.5 * duration * gait.speed[axis]
             + gain * (velocity[axis] - velocity[2 + axis])
             - gains.acceleration_gain * acceleration[axis]
             - step.integral[axis]
+            + gains.mean_speed * com_offset[axis]
         )
         if step.station_kept[0] == 1:
             station = gains.station_gain_x if axis == 0 else gains.station_gain_y
@@ -155,10 +181,9 @@ def finish_step(step: StepState, gait: Gait, gains: FootholdGains) -> None:
         # Lateral sway has opposite signs on the two legs: only the mean over a stride says anything.
         stride_mean = 0.5 * (mean + step.last_mean_velocity[axis])
         gain = gains.integral_gain_x if axis == 0 else gains.integral_gain_y
-        if step.count[0] > 1:
-            step.integral[axis] = _clip(
-                step.integral[axis] + gain * (gait.speed[axis] - stride_mean), gains.integral_limit
-            )
+        if step.settling[0] == 0:
+            error = _clip(gait.speed[axis] - stride_mean, _LARGEST_ERROR)
+            step.integral[axis] = _clip(step.integral[axis] + gain * error, gains.integral_limit)
         step.last_mean_velocity[axis] = mean
         step.velocity_sum[axis] = 0.0
         step.position_sum[axis] = 0.0
@@ -166,3 +191,4 @@ def finish_step(step: StepState, gait: Gait, gains: FootholdGains) -> None:
             step.station[axis] = 0.5 * (place + step.last_position[axis])
         step.last_position[axis] = place
     step.velocity_ticks[0] = 0
+    step.settling[0] = max(step.settling[0] - 1, 0)

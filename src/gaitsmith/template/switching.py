@@ -6,13 +6,17 @@ from gaitsmith.compiled import Matrix, kernel
 from gaitsmith.template.foothold import FootholdGains, finish_step
 from gaitsmith.template.step import LEFT, RIGHT, Gait, StepState
 
+_SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
+_SHORTEST, _LONGEST = 0.8, 1.1  # of the period; a step that a push cut short says nothing about the next
 _SETTLED_SPEED = 0.05  # m/s, below it a robot commanded to zero has arrived and keeps its station
 
 
 @kernel
-def latch(requested: Gait, latched: Gait) -> None:
+def latch(step: StepState, requested: Gait, latched: Gait) -> None:
     """Take over the requested gait; the paper updates parameters when the legs switch (section 2.3)."""
     for axis in range(2):
+        if requested.speed[axis] != latched.speed[axis]:
+            step.settling[0] = _SETTLING_STEPS
         latched.speed[axis] = requested.speed[axis]
     latched.period[0] = requested.period[0]
     latched.alpha[0] = requested.alpha[0]
@@ -61,6 +65,8 @@ def switch_legs(
         stance_pitch: its pitch, rad.
     """
     finish_step(step, latched, gains)
+    ratio = min(max(step.time[0] / latched.period[0], _SHORTEST), _LONGEST)
+    step.duration_ratio[0] += 0.5 * (ratio - step.duration_ratio[0])
     at_rest = requested.speed[0] == 0.0 and requested.speed[1] == 0.0
     if not at_rest:
         step.station_kept[0] = 0
@@ -68,6 +74,6 @@ def switch_legs(
         slow_x = abs(step.last_mean_velocity[0]) < _SETTLED_SPEED
         if slow_x and abs(latched.speed[0]) + abs(latched.speed[1]) == 0.0:
             step.station_kept[0] = 1
-    latch(requested, latched)
+    latch(step, requested, latched)
     stance = RIGHT if step.stance[0] == LEFT else LEFT
     begin_step(step, stance, swing_desired, stance_actual, stance_pitch)

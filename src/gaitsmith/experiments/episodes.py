@@ -1,0 +1,155 @@
+"""Many episodes, each run once: found in the store, or run here or on other processes and stored at once."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from gaitsmith.errors import BadInput, GaitsmithError
+from gaitsmith.experiments.identity import episode_key, loop_identity
+from gaitsmith.experiments.result import Progress, silent
+from gaitsmith.experiments.store import Store
+from gaitsmith.robots import Robot, load_robot
+from gaitsmith.simulation import Scenario, Simulation, Summary, run_episode
+from gaitsmith.simulation.scenario import check_scenario
+
+_Done = tuple[Scenario, str, Summary | None]
+_Source = Generator[_Done, None, None]
+
+
+class RobotChanged(GaitsmithError):
+    """Code or robot files changed between the beginning of an experiment and one of its episodes."""
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Finished episodes.
+
+    Attributes:
+        found: summary of every scenario that is finished.
+        interrupted: whether Ctrl-C left some out.
+        resumed: how many came from the store.
+    """
+
+    found: dict[Scenario, Summary]
+    interrupted: bool
+    resumed: int
+
+    def notes(self, total: int, store: Store) -> list[str]:
+        """What is to be said of ``total`` episodes and where they are kept, a line each."""
+        lines = []
+        if self.interrupted:
+            lines.append(
+                f"interrupted after {len(self.found)} of {total} episodes; the same command goes on from there"
+            )
+        if self.resumed:
+            lines.append(f"{self.resumed} of {total} episodes found in {store.path}")
+        if store.damaged:
+            lines.append(f"{store.damaged} damaged lines in {store.path} were passed over")
+        return lines
+
+
+def run_all(
+    scenarios: Iterable[Scenario],
+    robot: Robot,
+    store: Store,
+    *,
+    jobs: int = 1,
+    progress: Progress = silent,
+    what: str = "episodes",
+) -> Episodes:
+    """Run every scenario that the store does not hold yet.
+
+    Args:
+        scenarios: all of the same robot; repeated ones run once.
+        robot: as the scenarios' ``robot`` loads it.
+        store: asked first; every episode is added as soon as it is finished.
+        jobs: processes, each with one thread.
+        progress: told after every episode.
+        what: said to ``progress``.
+
+    Raises:
+        BadInput: ``jobs`` below 1, or a scenario that does not fit the robot.
+        RobotChanged: the robot or the code changed meanwhile; what was finished before is kept.
+    """
+    if jobs < 1:
+        raise BadInput("--jobs", jobs, "a whole number from 1")
+    wanted = list(dict.fromkeys(scenarios))
+    for scenario in wanted:
+        check_scenario(scenario, robot)
+    loop = loop_identity(robot)
+    keys = {scenario: episode_key(loop, scenario) for scenario in wanted}
+    found = {scenario: summary for scenario in wanted if (summary := store.get(keys[scenario])) is not None}
+    pending = [scenario for scenario in wanted if scenario not in found]
+    resumed, interrupted = len(found), False
+    progress(resumed, len(wanted), what)
+    source = _here(pending, robot, loop) if min(jobs, len(pending)) <= 1 else _elsewhere(pending, robot, jobs)
+    try:
+        for scenario, identity, summary in source:
+            if summary is None:
+                interrupted = True
+                break
+            if identity != loop:
+                raise RobotChanged("the code or the robot's files changed meanwhile; run again, finished runs are kept")
+            store.add(keys[scenario], scenario, summary)
+            found[scenario] = summary
+            progress(len(found), len(wanted), what)
+    except KeyboardInterrupt:
+        interrupted = True
+    finally:
+        source.close()
+    return Episodes(found, interrupted, resumed)
+
+
+def _here(pending: Sequence[Scenario], robot: Robot, loop: str) -> _Source:
+    """Run in this process; Ctrl-C ends the episode, which then has no summary."""
+    for scenario in pending:
+        episode = run_episode(scenario, robot=robot, record=False)
+        yield scenario, loop, None if episode.interrupted else episode.summary
+
+
+@cache
+def _loaded(name: str) -> tuple[Robot, str]:
+    """A worker's robot, and the identity of what the worker runs."""
+    robot = load_robot(name)
+    return robot, loop_identity(robot)
+
+
+def _remote(scenario: Scenario) -> _Done:
+    """One episode in a worker process."""
+    robot, identity = _loaded(scenario.robot)
+    return scenario, identity, run_episode(scenario, robot=robot, record=False).summary
+
+
+def _elsewhere(pending: Sequence[Scenario], robot: Robot, jobs: int) -> _Source:
+    """Run on ``jobs`` processes, longest first; a process that dies ends the experiment."""
+    from joblib import Parallel, delayed, parallel_config
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    longest_first = sorted(pending, key=lambda scenario: -scenario.duration)
+    Simulation(longest_first[0], robot=robot, record=False)  # compile once, not in every process at the same time
+    try:
+        with parallel_config(backend="loky", n_jobs=min(jobs, len(pending)), inner_max_num_threads=1):
+            parallel = Parallel(return_as="generator_unordered", batch_size=1)
+            with _deaf():
+                results = parallel(delayed(_remote)(scenario) for scenario in longest_first)
+            yield from results
+    except TerminatedWorkerError:
+        raise GaitsmithError("a worker process was killed; finished runs are kept, run again with fewer jobs") from None
+
+
+@contextlib.contextmanager
+def _deaf() -> Iterator[None]:
+    """Start processes that do not hear Ctrl-C, so that only this one decides what is finished."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,149 @@
+"""Named quantities, limits on them, and verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+Verdict = Literal["pass", "miss", "report", "skipped", "not run"]
+
+
+class Quantity(NamedTuple):
+    """How a number is called and shown: ``scale`` times the SI value, in ``unit``."""
+
+    label: str
+    unit: str
+    scale: float = 1.0
+    digits: int = 1
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "speed_error": Quantity("speed error", "mm/s", 1e3),
+    "lateral_error": Quantity("lateral speed error", "mm/s", 1e3),
+    "speed_bias": Quantity("speed bias", "mm/s", 1e3),
+    "height_error": Quantity("steady height error", "mm", 1e3),
+    "roll": Quantity("roll", "°", 1.0, 2),
+    "pitch": Quantity("pitch", "°", 1.0, 2),
+    "drift": Quantity("drift", "m", 1.0, 3),
+    "yaw": Quantity("yaw", "°"),
+    "separation": Quantity("separation", "cm", 1e2),
+    "leg_contacts": Quantity("leg contacts", "", 1.0, 0),
+    "saturated": Quantity("torque saturated", "% of ticks", 1e2, 2),
+    "tick_median": Quantity("median", "µs"),
+    "tick_p99": Quantity("99th percentile", "µs"),
+    "tick_max": Quantity("longest", "µs", 1.0, 0),
+    "overruns": Quantity("overruns", "", 1.0, 0),
+    "qp_fallbacks": Quantity("QP fallback", "% of ticks", 1e2, 3),
+    "allocations": Quantity("allocations", "", 1.0, 0),
+    "start_up": Quantity("start to first tick", "s"),
+    "realtime_factor": Quantity("times real time", ""),
+    "part": Quantity("median", "µs", 1.0, 2),
+}
+"""Every quantity that is judged or reported."""
+
+
+class Limit(NamedTuple):
+    """A bound on one quantity, in SI units (degrees and µs where the quantity has them).
+
+    Attributes:
+        quantity: a name of :data:`QUANTITIES`.
+        bound: the largest value allowed, or the smallest if ``least``.
+    """
+
+    quantity: str
+    bound: float
+    least: bool = False
+
+    def met(self, value: float) -> bool:
+        """Whether a value keeps the limit; one that is not a number does not."""
+        return value >= self.bound if self.least else value <= self.bound
+
+    def worst(self, values: Sequence[float]) -> float:
+        """The value farthest on the wrong side."""
+        return min(values) if self.least else max(values)
+
+    def target(self) -> str:
+        """The limit in words."""
+        label, unit, scale, _ = QUANTITIES[self.quantity]
+        return f"{label} {'≥' if self.least else '≤'} {scale * self.bound:g}{_spaced(unit)}"
+
+
+class Finding(NamedTuple):
+    """A measured quantity beside its limit; None without one."""
+
+    quantity: str
+    value: float | None
+    limit: Limit | None
+
+    def verdict(self) -> Verdict:
+        """``not run`` without a value, ``report`` without a limit."""
+        if self.limit is None:
+            return "report"
+        if self.value is None:
+            return "not run"
+        return "pass" if self.limit.met(self.value) else "miss"
+
+    def document(self) -> dict[str, Any]:
+        """As plain data, in SI units (degrees and µs where the quantity has them)."""
+        bound = None if self.limit is None else {"at_least" if self.limit.least else "at_most": self.limit.bound}
+        return {"quantity": self.quantity, "value": self.value, "limit": bound, "verdict": self.verdict()}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Verdict of one trial over all its episodes.
+
+    Attributes:
+        verdict: ``miss`` if anything missed; ``report`` if the trial is not judged.
+        findings: the worst of every quantity, limits first.
+        falls: number of episodes that fell.
+    """
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    falls: int
+
+
+def judge(
+    limits: Sequence[Limit],
+    reported: Sequence[str],
+    episodes: Sequence[Mapping[str, float]],
+    falls: int,
+    *,
+    judged: bool = True,
+) -> Judgement:
+    """Judge a trial by its worst episode; one fall is a miss whatever the numbers say.
+
+    Args:
+        limits: to keep.
+        reported: quantities without a limit; of several episodes the value farthest from zero.
+        episodes: measured quantities of each finished episode.
+        falls: how many of them fell.
+        judged: False to report only.
+    """
+    findings = []
+    for limit in limits:
+        values = [episode[limit.quantity] for episode in episodes if limit.quantity in episode]
+        findings.append(Finding(limit.quantity, limit.worst(values) if values else None, limit))
+    for name in reported:
+        values = [episode[name] for episode in episodes if name in episode]
+        findings.append(Finding(name, max(values, key=abs) if values else None, None))
+    verdict: Verdict = "pass"
+    if not episodes:
+        verdict = "not run"
+    elif not judged:
+        verdict = "report"
+    elif falls or any(finding.verdict() not in ("pass", "report") for finding in findings):
+        verdict = "miss"
+    return Judgement(verdict, tuple(findings), falls)
+
+
+def shown(quantity: str, value: float | None) -> str:
+    """A value with its unit."""
+    _, unit, scale, digits = QUANTITIES[quantity]
+    return "–" if value is None else f"{scale * value:.{digits}f}{_spaced(unit)}"
+
+
+def _spaced(unit: str) -> str:
+    return unit if unit in ("", "°") else f" {unit}"

@@ -1,0 +1,171 @@
+"""Grids push in every direction at every phase, and count honestly."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from tests.experiments.made_up import REASON, made_up_summary
+from tests.simulation.standing import robot
+
+from gaitsmith.errors import BadInput
+from gaitsmith.experiments import push_grids
+from gaitsmith.experiments.largest import CEILING, RESOLUTION, Search
+from gaitsmith.experiments.limits import Limit
+from gaitsmith.experiments.push_grid import (
+    STANDARD_GRIDS,
+    SURVIVAL,
+    Cell,
+    GridOutcome,
+    PushGrid,
+    first_limit,
+    survival_time,
+    survived,
+)
+from gaitsmith.simulation.scenario import check_scenario
+
+GRID = PushGrid(15.0, 0.4, 0.66, 0.4, least=0.5, goal=1.0, separation=Limit("separation", 0.04, least=True))
+SMALL = PushGrid(15.0, 0.0, 0.66, 0.4, least=0.5, directions=2, phases=2)
+
+
+def test_the_standard_grids_are_five_of_96():
+    assert [(g.impulse, g.speed, g.height, g.period) for g in STANDARD_GRIDS] == [
+        (15.0, 0.0, 0.66, 0.4),
+        (15.0, 0.4, 0.66, 0.4),
+        (15.0, 0.0, 0.70, 0.4),
+        (15.0, 0.4, 0.70, 0.4),
+        (40.0, 0.0, 0.66, 0.25),
+    ]
+    assert all(len(grid.cells) == 96 for grid in STANDARD_GRIDS)
+    scenarios = {grid.scenario(cell, "bhr_b2", "default") for grid in STANDARD_GRIDS for cell in grid.cells}
+    assert len(scenarios) == 480
+    for scenario in scenarios:
+        check_scenario(scenario, robot())
+
+
+def test_pushes_point_evenly_around_and_through_the_stride():
+    pushes = [GRID.scenario(cell, "bhr_b2", "default").pushes[0] for cell in GRID.cells]
+    np.testing.assert_allclose([np.linalg.norm(push.impulse) for push in pushes], 15.0, rtol=1e-8)
+    directions = [math.degrees(math.atan2(push.impulse[1], push.impulse[0])) % 360.0 for push in pushes[::12]]
+    np.testing.assert_allclose(directions, np.arange(8) * 45.0, atol=1e-6)
+    np.testing.assert_allclose([push.phase for push in pushes[:12]], np.arange(12) / 12)
+    assert all(push.duration == 0.1 for push in pushes)
+
+
+def test_the_slowest_stride_leaves_time_to_survive():
+    scenario = GRID.scenario(Cell(0, 11), "bhr_b2", "default")
+    assert scenario.duration - scenario.pushes[0].time >= 2 * 1.6 * GRID.period + SURVIVAL - 1e-9
+    assert scenario.pushes[0].time - scenario.walk_from >= 3.0
+
+
+@pytest.mark.parametrize(
+    ("summary", "seconds"),
+    [
+        (made_up_summary(pushed_at=4.5), SURVIVAL),
+        (made_up_summary(pushed_at=4.5, fell_at=5.0), 0.5),
+        (made_up_summary(pushed_at=4.5, fell_at=15.0), SURVIVAL),
+        (made_up_summary(pushed_at=4.5, duration=9.0), 4.5),
+        (made_up_summary(pushes=(None,)), 0.0),
+        (made_up_summary(pushes=(None,), fell_at=3.0), 0.0),
+    ],
+)
+def test_survival_counts_from_the_push(summary, seconds):
+    assert survival_time(summary) == pytest.approx(seconds)
+    assert survived(summary) == (seconds == SURVIVAL)
+
+
+def _outcome(*fates: str, separation: float = 0.08) -> GridOutcome:
+    kinds = {
+        "stood": made_up_summary(pushed_at=4.5, min_foot_separation=separation),
+        "fell": made_up_summary(pushed_at=4.5, fell_at=6.0, min_foot_separation=-0.1),
+    }
+    return GridOutcome(SMALL, {cell: kinds[fate] for cell, fate in zip(SMALL.cells, fates, strict=False)})
+
+
+def test_verdicts():
+    assert _outcome("stood", "stood", "stood", "stood").verdict() == "pass"
+    assert _outcome("stood", "stood", "fell", "fell").verdict() == "pass"
+    assert _outcome("stood", "fell", "fell", "fell").verdict() == "miss"
+    assert _outcome("stood", "stood").verdict() == "not run"
+    assert _outcome("fell", "fell", "fell").verdict() == "miss"  # whatever the last one does
+
+
+def test_separation_is_judged_over_survivors():
+    tight = GridOutcome(GRID, dict.fromkeys(GRID.cells, made_up_summary(pushed_at=4.5, min_foot_separation=0.03)))
+    assert tight.verdict() == "miss"
+    assert _outcome("stood", "fell").closest == (0.08, Cell(0, 0))
+
+
+def test_a_document_says_what_fell_where_and_why():
+    document = _outcome("stood", "fell", "stood").document()
+    assert document["survival_time"] == [[10.0, pytest.approx(1.5)], [10.0, None]]
+    assert (document["survived"], document["run"], document["total"], document["least"]) == (2, 3, 4, 2)
+    assert document["first_limits"] == {"torque of left_knee saturated": 1}
+    (fall,) = document["falls"]
+    assert (fall["direction_deg"], fall["phase"], fall["reason"]) == (0.0, 0.5, REASON)
+
+
+def test_the_first_limit_of_a_fall():
+    assert first_limit(REASON) == "torque of left_knee saturated"
+    assert first_limit("simulation diverged; no limit was hit in the 1.5 s before") == "simulation diverged"
+
+
+@pytest.mark.parametrize("largest", [0.4, 7.0, 15.0, 16.2, 33.3, 80.0])
+def test_bisection_finds_the_largest(largest):
+    search, tries = Search(PushGrid(15.0, 0.0, 0.66, 0.4, directions=1)), 0
+    while (impulse := search.next_impulse(0)) is not None:
+        search.learn(0, impulse, impulse <= largest)
+        tries += 1
+    assert search.low[0] <= largest < search.high[0] <= search.low[0] + RESOLUTION
+    assert tries <= 12
+    assert search.everywhere == search.low[0]
+
+
+def test_bisection_ends_at_the_ceiling():
+    search = Search(PushGrid(15.0, 0.0, 0.66, 0.4, directions=1))
+    while (impulse := search.next_impulse(0)) is not None:
+        search.learn(0, impulse, True)
+    assert (search.low[0], search.high[0]) == (CEILING, None)
+
+
+def test_a_tiny_grid_really_runs_and_is_not_repeated(tmp_path):
+    told = []
+    options = {"impulse": 2.0, "height": 0.66, "directions": 2, "phases": 1, "out": tmp_path}
+    first = push_grids(**options, progress=lambda *what: told.append(what))
+    assert first.columns == ("pushes", "target", "survived", "separation", "verdict")
+    assert told[-1] == (2, 2, "pushing")
+    (grid,) = first.document["grids"]
+    assert (grid["run"], grid["total"], grid["verdict"]) == (2, 2, "report")
+    assert (tmp_path / "push.json").is_file()
+    again = push_grids(**options)
+    assert again.document == first.document
+    assert "2 of 2 episodes found" in again.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [
+        ({"preset": "none"}, "--preset"),
+        ({"impulse": math.nan}, "--impulse"),
+        ({"impulse": -3.0}, "--impulse"),
+        ({"height": 9.0}, "--height"),
+        ({"period": -1.0}, "--period"),
+        ({"speed": math.inf}, "--speed"),
+        ({"directions": 0}, "--directions"),
+        ({"phases": 999}, "--phases"),
+    ],
+)
+def test_options_that_cannot_be_used_are_named(tmp_path, options, field):
+    with pytest.raises(BadInput) as caught:
+        push_grids(**options, out=tmp_path)
+    assert caught.value.field == field
+
+
+def test_grids_outside_the_card_s_limits_are_skipped(tmp_path, monkeypatch):
+    from gaitsmith.experiments import pushing
+
+    monkeypatch.setattr(pushing, "STANDARD_GRIDS", (PushGrid(15.0, 0.0, 0.9, 0.4),))
+    result = push_grids(out=tmp_path)
+    assert result.rows == (("15 N·s, T 0.4 s, H 0.9 m, in place", "", "", "", "skipped"),)
+    assert "height 0.9" in result.notes[0]
