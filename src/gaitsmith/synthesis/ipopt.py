@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,6 +100,8 @@ class _Watch(ca.Callback):
 
     def eval(self, arg: Any) -> list[Any]:
         self.iteration += 1
+        if self.interrupted is not None:
+            return [1]
         try:
             if self.report is not None:
                 g = np.array(arg[ca.nlpsol_out().index("g")]).ravel()
@@ -106,6 +111,23 @@ class _Watch(ca.Callback):
             self.interrupted = error
             return [1]
         return [1 if time.perf_counter() > self.deadline else 0]
+
+
+@contextmanager
+def _signals_kept(watch: _Watch) -> Iterator[None]:
+    """Ctrl-C is noted and ends the solve at its next iteration: the engine is never left half-way by an exception."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def note(*_: object) -> None:
+        watch.interrupted = KeyboardInterrupt()
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def solve_ipopt(
@@ -169,7 +191,8 @@ def solve_ipopt(
     given: dict[str, Any] = {"x0": start, "lbg": program.low, "ubg": program.high}
     if multipliers is not None:
         given["lam_g0"] = multipliers
-    result = solver(**given)
+    with _signals_kept(watch):
+        result = solver(**given)
     stats = solver.stats()
     if watch.interrupted is not None:
         raise watch.interrupted
