@@ -39,11 +39,11 @@ class Bound:
     lifts: bool = False
     lands: bool = False
 
-    def offset(self, s: Array) -> Array:
+    def offset(self, s: Array) -> Array | float:
         """What is added to the linear form at normalised times (N,): the constant less the risen profile."""
-        s = np.asarray(s, dtype=np.float64)
         if not self.rise:
-            return np.full_like(s, self.constant)
+            return self.constant
+        s = np.asarray(s, dtype=np.float64)
         up = _smooth(2.0 * s if self.lands else s) if self.lifts else np.ones_like(s)
         down = _smooth(2.0 * (1.0 - s) if self.lifts else 1.0 - s) if self.lands else np.ones_like(s)
         return np.asarray(self.constant - self.rise * np.minimum(up, down))

@@ -71,7 +71,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     wanted_speed = np.vstack([zero, rate, zero[0]])
     wanted_pull = np.vstack([zero, bend, zero[0]])
     for _ in range(_NEWTON):
-        o, J = _outputs_and_jacobians(functions, z, pivots)
+        o, J = functions.differentiate(z, pivots)
         gap = target - o[places]
         step = np.linalg.solve(J[:, places][:, :, leg], gap.T[:, :, None])[:, :, 0]
         z[leg] += step.T
@@ -82,22 +82,13 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     z[:, lost] = given[:, lost]
     usable = ~lost
     for wanted, rows, first in ((wanted_speed, speeds, n), (wanted_pull, pulls, 2 * n)):
-        o, J = _outputs_and_jacobians(functions, z, pivots)
+        o, J = functions.differentiate(z, pivots)
         columns = [first + int(k) for k in leg]
         if not usable.any():
             break
         step = np.linalg.solve(J[usable][:, rows][:, :, columns], (wanted - o[rows]).T[usable][:, :, None])[:, :, 0]
         z[np.array(columns)[:, None], np.flatnonzero(usable)] += step.T
     return z
-
-
-def _outputs_and_jacobians(functions: PointFunctions, z: Array, pivots: Array) -> tuple[Array, Array]:
-    """Outputs (outputs, N) and Jacobians (N, outputs, inputs)."""
-    count = z.shape[1]
-    o, jac = functions.jacobian.map(count)(z, pivots)
-    layout = functions.layout
-    dense = np.array(jac.full()).reshape(layout.outputs, count, layout.inputs)
-    return np.array(o), dense.transpose(1, 0, 2)
 
 
 def _knots(trans: Transcription, phase: int) -> Array:

@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -22,9 +22,11 @@ import numpy.typing as npt
 from gaitsmith.compiled.cache import _private_folder, cache_root
 from gaitsmith.dynamics import symbolic
 from gaitsmith.synthesis.biped import Biped
+from gaitsmith.synthesis.caller import Caller
 from gaitsmith.synthesis.layout import Layout
 
 _OPTIONS = ("-O1", "-fPIC", "-shared", "-fno-math-errno")
+_KEPT = 64  # mapped functions that are remembered
 _NAMES = ("value", "jacobian", "hessian")
 
 Array = npt.NDArray[np.float64]
@@ -49,12 +51,33 @@ class PointFunctions:
     hessian: Any
     compiled: bool
     compile_s: float
+    _mapped: dict[tuple[str, int], Caller] = field(default_factory=dict)
 
     def evaluate(self, points: Array, pivots: Array) -> Array:
         """Outputs (outputs, K) for many points: inputs (inputs, K) and pivots (3, K)."""
-        if points.shape[1] == 0:
+        count = points.shape[1]
+        if count == 0:
             return np.zeros((self.layout.outputs, 0))
-        return np.array(self.value.map(points.shape[1])(points, pivots))
+        (found,) = self._caller("value", count)(points.T.ravel(), pivots.T.ravel())
+        return found.reshape(count, self.layout.outputs).T.copy()
+
+    def differentiate(self, points: Array, pivots: Array) -> tuple[Array, Array]:
+        """Outputs (outputs, K) and Jacobians (K, outputs, inputs) for many points."""
+        count = points.shape[1]
+        values, slopes = self._caller("jacobian", count)(points.T.ravel(), pivots.T.ravel())
+        rows, columns = self.jacobian.sparsity_out(1).get_triplet()
+        dense = np.zeros((count, self.layout.outputs, self.layout.inputs))
+        dense[:, rows, columns] = slopes.reshape(count, -1)
+        return values.reshape(count, self.layout.outputs).T.copy(), dense
+
+    def _caller(self, name: str, count: int) -> Caller:
+        """The function mapped over a number of points, kept for the next time."""
+        key = (name, count)
+        if key not in self._mapped:
+            if len(self._mapped) > _KEPT:
+                self._mapped.clear()
+            self._mapped[key] = Caller(getattr(self, name).map(count))
+        return self._mapped[key]
 
 
 def _expressions(biped: Biped) -> list[Any]:

@@ -104,10 +104,10 @@ def make_program(
     if picks is None:
         picks = all_picks(trans, points)
     where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
-    for pick in picks:
+    shares = trans.shares(np.array([pick.phase for pick in picks]), np.array([pick.time for pick in picks])).tolist()
+    for pick, share in zip(picks, shares, strict=True):
         bound = trans.bounds[pick.phase][pick.bound]
         label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span)
-        share = float(trans.share(pick.phase, np.array(pick.time)))
         rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, inputs, pick.tighten)
     c, d = rows.matrices(points.count)
     return Program(

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg as sl
 
-from gaitsmith.synthesis.assembly import Assembly, Caller
+from gaitsmith.synthesis.assembly import Assembly
+from gaitsmith.synthesis.caller import Caller
 from gaitsmith.synthesis.ipopt import Progress, Solution, progress_of
 from gaitsmith.synthesis.program import OBJECTIVE_SCALE, Program
 

@@ -58,6 +58,7 @@ class Transcription:
     def __init__(self, biped: Biped, motion: Motion, settings: Settings) -> None:
         self.biped, self.motion, self.settings = biped, motion, settings
         self.layout = Layout(biped.joints)
+        self.borders = motion.borders
         knots, self.first_section = [0.0], []
         for phase, start in zip(motion.phases, motion.borders, strict=False):
             self.first_section.append(len(knots) - 1)
@@ -112,8 +113,13 @@ class Transcription:
 
     def share(self, phase: int, times: Array) -> Array:
         """Normalised time in a phase, 0 to 1."""
-        start = self.motion.borders[phase]
+        start = self.borders[phase]
         return np.asarray(np.clip((times - start) / self.motion.phases[phase].duration, 0.0, 1.0))
+
+    def shares(self, phases: Indices, times: Array) -> Array:
+        """Normalised times of instants in different phases."""
+        lengths = np.diff(self.borders)[phases]
+        return np.asarray(np.clip((times - self.borders[phases]) / lengths, 0.0, 1.0))
 
     def wrench_columns(self, phase: int) -> Indices:
         """(6, 4) unknowns that hold the Bernstein coefficients of u in a phase of double support."""
@@ -126,7 +132,7 @@ class Transcription:
 
     def state_rows(self, border: int, derivative: int) -> sp.csr_matrix:
         """(n, size) map from x to joint angles or a derivative at a border between phases, in the robot's order."""
-        t = float(self.motion.borders[border])
+        t = float(self.borders[border])
         section = self.first_section[border] if border < len(self.first_section) else len(self.spline.knots) - 2
         row = self.spline.row(section, t, derivative)
         n = self.biped.joints
@@ -138,7 +144,7 @@ class Transcription:
         """(K * inputs, size) map from x to the inputs of all points, each in its phase's local frame."""
         layout, n = self.layout, self.biped.joints
         width = self.spline.degree + 1
-        borders, scale = self.motion.borders, self.biped.weight
+        borders, scale = self.borders, self.biped.weight
         data, rows, columns = [], [], []
         local = np.arange(n)
         for k in range(points.count):
