@@ -16,11 +16,12 @@ from gaitsmith.control.quadratic_program import QuadraticProgram
 from gaitsmith.robots.parameters import ControlParameters
 
 AGREEMENT = 1e-8  # of the largest torque limit; the QP magnifies rounding (1e-16) up to 1e8 times
+OWN = 1e-7  # of the tick's own largest torque or acceleration, which may be small beside the limits
 SIGN = 1e-13  # of the QP's scale: a multiplier so small has no sign, only rounding
 SAMPLES = 13  # ticks from one comparison to the next
 AROUND = 3  # ticks after a switch that are all compared
 
-FORECAST = {"prediction": 1.0, "mean_speed": 1.0, "acceleration_gain": 0.01}  # switched off in the presets
+PARTLY = {"deadbeat": 0.5, "prediction": 0.7, "mean_speed": 0.6, "acceleration_gain": 0.01}  # no preset has these
 
 
 class Case(NamedTuple):
@@ -34,7 +35,7 @@ class Case(NamedTuple):
 CASES = {
     "bhr_b2": Case("bhr_b2", parameters("bhr_b2")),
     "paper": Case("bhr_b2", parameters("bhr_b2", "paper", weights={"torque_change": 1e-3})),
-    "forecast": Case("bhr_b2", parameters("bhr_b2", foothold=FORECAST)),
+    "partly": Case("bhr_b2", parameters("bhr_b2", foothold=PARTLY)),
     "estimated": Case("bhr_b2", parameters("bhr_b2"), "estimated"),
     "six_joint_legs": Case("six_joint_legs", parameters("six_joint_legs")),
     "with_arms": Case("with_arms", parameters("with_arms")),
@@ -115,14 +116,14 @@ def decided(name: str) -> list[Comparison]:
 
 @cases
 def test_the_walk_covers_what_it_should(case: str) -> None:
-    """Standing, many steps, nothing given up; the paper's robot ends at rest."""
+    """Standing, many steps, nothing given up; the default preset ends at rest."""
     found, end = compared(case)
     assert end["steps"] >= 6
     assert end["bad"] == 0
     assert end["fallbacks"] == 0
-    assert end["standing"] or case not in ("bhr_b2", "forecast")
+    assert end["standing"] or case != "bhr_b2"
     assert len(found) >= 250
-    assert len(decided(case)) >= 0.97 * len(found)
+    assert len(decided(case)) >= 0.95 * len(found)
 
 
 @cases
@@ -134,12 +135,11 @@ def test_torques_agree(case: str) -> None:
 
 @cases
 def test_what_is_remembered_agrees(case: str) -> None:
-    """Phase, template, references; torques and accelerations with the QP's own scale."""
-    limit = float(np.max(Loop(CASES[case].robot).robot.torque_limit))
+    """Phase, template, and references; torques and accelerations by their own size."""
     for comparison in decided(case):
         for name, difference in comparison.memory.items():
-            scale = limit if name in ("torque", "feedforward", "acceleration") else 1.0
-            assert difference <= AGREEMENT * scale, f"{name} at tick {comparison.tick}"
+            bound = OWN if name in ("torque", "feedforward", "acceleration") else AGREEMENT
+            assert difference <= bound, f"{name} at tick {comparison.tick}"
 
 
 @pytest.mark.xfail(reason="the warm start accepts multipliers of the wrong sign up to 1e-10", strict=False)

@@ -16,6 +16,7 @@ from gaitsmith.control.posture import standing_posture
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import ControlParameters, GaitParameters
 from gaitsmith.simulation import Plant
+from gaitsmith.template.step import StepState
 
 Array = npt.NDArray[np.float64]
 
@@ -82,7 +83,7 @@ Plan = dict[int, Callable[[Loop], None]]
 
 
 def busy_plan(name: str, speed: float, push: float) -> Plan:
-    """Stand, step in place, walk, change every template parameter, be pushed, stop: in 3.4 s."""
+    """Stand, step in place, walk, change every template parameter, be pushed, stop: in 3.9 s."""
     first = gait(name)
     return {
         200: lambda loop: loop.controller.walk(),
@@ -95,36 +96,39 @@ def busy_plan(name: str, speed: float, push: float) -> Plan:
     }
 
 
-DURATION = 3400
+DURATION = 3900
+SAMPLES = 23  # ticks from one record to the next
 SPEED = {"bhr_b2": 0.3, "six_joint_legs": 0.1, "with_arms": 0.1}
 PUSH = {"bhr_b2": 60.0, "six_joint_legs": 15.0, "with_arms": 15.0}
 
 
 class Record(NamedTuple):
-    """One tick: its number and all of the controller's groups after it."""
+    """One tick: its number, all of the controller's groups after it, and some of what was there before it."""
 
     tick: int
     groups: TickGroups
+    feedforward: Array  # of the tick before
+    foot_desired: Array  # of the tick before
+    step: StepState  # of the tick before
 
 
-def copied(controller: Controller) -> TickGroups:
-    """All groups of a controller, as they are now."""
-    return TickGroups(*(type(group)(*(array.copy() for array in group)) for group in controller._groups))
+def _copy(group: Any) -> Any:
+    return type(group)(*(array.copy() for array in group))
 
 
 @cache
-def records(name: str, preset: str = "default", every: int = 17) -> tuple[Record, ...]:
-    """Ticks of the busy walk: every so many, and the one at and after each switch."""
+def records(name: str, preset: str = "default") -> tuple[Record, ...]:
+    """Ticks of the busy walk: a sample, and every switch."""
     loop = Loop(name, parameters(name, preset))
-    plan, kept, steps = busy_plan(name, SPEED[name], PUSH[name]), [], 0
-    counts = loop.controller._groups.step.count
+    plan, kept = busy_plan(name, SPEED[name], PUSH[name]), []
+    groups = loop.controller._groups
     for tick in range(DURATION):
         if tick in plan:
             plan[tick](loop)
+        before = (groups.whole_body.torque.copy(), groups.control.foot_desired.copy(), _copy(groups.step))
         loop.step()
-        if tick % every == 0 or counts[0] != steps:
-            kept.append(Record(tick, copied(loop.controller)))
-        steps = int(counts[0])
+        if tick % SAMPLES == 0 or groups.step.count[0] != before[2].count[0]:
+            kept.append(Record(tick, TickGroups(*(_copy(group) for group in groups)), *before))
     return tuple(kept)
 
 
@@ -133,13 +137,16 @@ class Held:
 
     Args:
         name: of the robot.
+        chosen: control parameters; the tests' default if None.
         state: true or estimated.
         **changes: of the gait.
     """
 
-    def __init__(self, name: str = "bhr_b2", state: Any = "true", **changes: Any) -> None:
+    def __init__(
+        self, name: str = "bhr_b2", chosen: ControlParameters | None = None, state: Any = "true", **changes: Any
+    ) -> None:
         self.robot, self.gait = robot(name), gait(name, **changes)
-        self.controller = Controller(self.robot, parameters(name), state=state, gait=self.gait)
+        self.controller = Controller(self.robot, chosen or parameters(name), state=state, gait=self.gait)
         self.controller.reset()
         self.q = standing_posture(self.robot, self.gait.height, self.gait.width)
         self.v = np.zeros(self.robot.model.nv)

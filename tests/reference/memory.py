@@ -36,12 +36,14 @@ class Memory:
     step_count: int
     step_time: float
     last_duration: float
+    duration_ratio: float  # of the period, how long steps last
     support_start: Array  # (3, 3) desired state of the support sole when the step began
     swing_start: Array  # (2, 3) actual state of the swing sole when the step began
     swing_pitch_start: float
     velocity_sum: Array  # (2,) over the step's ticks, heading frame
     position_sum: Array  # (2,) over the step's ticks, world
     ticks: int
+    settling: int  # steps before the integral learns again
     last_mean_velocity: Array  # (2,)
     last_position: Array  # (2,)
     integral: Array  # (2,)
@@ -73,12 +75,14 @@ def read_memory(controller: Controller) -> Memory:
         step_count=int(step.count[0]),
         step_time=float(step.time[0]),
         last_duration=float(step.last_duration[0]),
+        duration_ratio=float(step.duration_ratio[0]),
         support_start=step.support_start.copy(),
         swing_start=step.swing_start.copy(),
         swing_pitch_start=float(step.swing_pitch_start[0]),
         velocity_sum=step.velocity_sum.copy(),
         position_sum=step.position_sum.copy(),
         ticks=int(step.velocity_ticks[0]),
+        settling=int(step.settling[0]),
         last_mean_velocity=step.last_mean_velocity.copy(),
         last_position=step.last_position.copy(),
         integral=step.integral.copy(),

@@ -27,6 +27,9 @@ HEIGHT_RATE = 0.15  # m/s, while standing
 STRADDLE = 0.06  # m, soles at most this far apart lengthwise when a walk ends
 SETTLED = 0.05  # m/s, slow enough to keep a station
 LOWEST_COM = 0.05  # m, of the pendulum
+SETTLING = 3  # steps that a new speed takes to show
+SLIP = 0.1  # m/s, largest error that the integral learns from
+DURATIONS = (0.8, 1.1)  # of the period, shortest and longest step that says something about the next
 DECAY = 0.98  # of the torque at a tick that cannot be computed
 
 TURNS = {4: [1], 6: [0, 1, 2]}  # sole axes that a leg of so many joints can turn about besides placing the sole
@@ -94,10 +97,10 @@ class NumpyTick:
         """Advance the step's clock; returns the legs whose references restart from the measured joints."""
         memory = self.memory
         if not memory.walking:
-            memory.gait = requested
+            self._latch(requested)
             if memory.walk_requested:
                 self._begin(now, LEFT if requested.speed[1] < 0.0 else RIGHT, from_rest=True)
-                memory.walking = True
+                memory.walking, memory.settling = True, SETTLING
                 return (LEFT, RIGHT) if memory.step_count == 1 else (1 - memory.stance,)
             memory.station_kept = False
             change = requested.height - memory.standing_height
@@ -111,14 +114,22 @@ class NumpyTick:
         if not landed and memory.step_time <= rule.latest * period:
             return ()
         self._finish_step()
+        duration = float(np.clip(memory.step_time / period, *DURATIONS))
+        memory.duration_ratio = 0.5 * (memory.duration_ratio + duration)
         self._keep_station(requested)
-        memory.gait = requested
+        self._latch(requested)
         self._begin(now, swing)
         if landed and not memory.walk_requested and self._may_rest(now):
             memory.walking = False
             memory.standing_height = -0.5 * (now.offset(LEFT)[0, 2] + now.offset(RIGHT)[0, 2])
             return ()
         return (1 - memory.stance,)
+
+    def _latch(self, requested: GaitNumbers) -> None:
+        """The gait changes only here; a new speed is no bias, so the integral waits."""
+        if np.any(requested.speed != self.memory.gait.speed):
+            self.memory.settling = SETTLING
+        self.memory.gait = requested
 
     def _begin(self, now: Instant, stance: int, from_rest: bool = False) -> None:
         """Both rules of section 2.2: the support leg goes on from its desired, the swing leg from its actual state."""
@@ -139,10 +150,11 @@ class NumpyTick:
         if memory.ticks == 0:
             return
         mean, place = memory.velocity_sum / memory.ticks, memory.position_sum / memory.ticks
-        if memory.step_count > 1:
-            stride_mean = 0.5 * (mean + memory.last_mean_velocity)
-            grown = memory.integral + np.array(gains.integral_gain) * (memory.gait.speed - stride_mean)
+        if memory.settling == 0:
+            error = np.clip(memory.gait.speed - 0.5 * (mean + memory.last_mean_velocity), -SLIP, SLIP)
+            grown = memory.integral + np.array(gains.integral_gain) * error
             memory.integral = np.clip(grown, -gains.integral_limit, gains.integral_limit)
+        memory.settling = max(memory.settling - 1, 0)
         if not memory.station_kept:
             memory.station = 0.5 * (place + memory.last_position)
         memory.last_mean_velocity, memory.last_position = mean, place
@@ -194,16 +206,20 @@ class NumpyTick:
         memory, gait, gains = self.memory, self.memory.gait, self.parameters.foothold
         arm = now.in_heading(now.com.position - now.soles[memory.stance].position)
         omega = np.sqrt(GRAVITY / max(arm[2], LOWEST_COM))
-        rest = omega * max(gait.period - memory.step_time, 0.0)
+        duration = memory.duration_ratio * gait.period  # as steps really last
+        rest = omega * max(duration - memory.step_time, 0.0)
         velocity = now.com_velocity[:2]
         forecast = np.cosh(rest) * velocity + omega * np.sinh(rest) * arm[:2]
         velocity = velocity + gains.prediction * (forecast - velocity)
-        half = 0.5 * omega * gait.period
+        half = 0.5 * omega * duration
         reference = (1.0 + gains.mean_speed * (half / np.tanh(half) - 1.0)) * gait.speed
         acceleration = now.in_heading(now.com.jacobian[:3] @ memory.acceleration + now.com.bias[:3])[:2]
 
-        target = 0.5 * gait.period * gait.speed - memory.integral
-        target += np.array(gains.velocity_gain) * (velocity - reference) - gains.acceleration_gain * acceleration
+        share, gain = gains.mean_speed, np.array(gains.velocity_gain)
+        gain = gain + gains.deadbeat * (1.0 / (omega * np.tanh(omega * duration)) - gain)
+        length = (gait.period + share * (duration - gait.period)) * gait.speed
+        target = 0.5 * length + share * now.in_heading(now.com.position - now.hip.position)[:2] - memory.integral
+        target += gain * (velocity - reference) - gains.acceleration_gain * acceleration
         if memory.station_kept:
             drift = now.in_heading(np.array([*(now.com.position[:2] - memory.station), 0.0]))[:2]
             target += np.clip(np.array(gains.station_gain) * drift, -gains.station_limit, gains.station_limit)

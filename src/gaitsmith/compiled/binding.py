@@ -115,7 +115,9 @@ class Arena:
             for name, field, value in zip(group._fields, _fields(type(group)), group, strict=True):  # type: ignore[attr-defined]
                 array = np.ascontiguousarray(value, dtype=field.dtype)
                 if array.ndim != max(field.axes, 1) or (field.axes == 0 and array.size != 1):
-                    raise TypeError(f"{type(group).__name__}.{name}: shape {np.shape(value)}, expected {field.axes} axes")
+                    raise TypeError(
+                        f"{type(group).__name__}.{name}: shape {np.shape(value)}, expected {field.axes} axes"
+                    )
                 kept.append(array)
                 extents = list(array.shape) if field.axes else []
                 rows.append([array.ctypes.data, *extents] + [0] * (_WORDS - 1 - len(extents)))

@@ -8,6 +8,7 @@ together with the versions that decide what machine code comes out.
 from __future__ import annotations
 
 import ast
+import contextlib
 import functools
 import hashlib
 import os
@@ -49,10 +50,8 @@ def _private_folder(folder: Path) -> Path:
         OSError: it cannot be created.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
-    try:
+    with contextlib.suppress(FileExistsError):
         folder.mkdir(mode=0o700)
-    except FileExistsError:
-        pass
     found = folder.lstat()
     if not stat.S_ISDIR(found.st_mode):
         raise CacheRefused(
@@ -151,7 +150,7 @@ class Kernel:
         functools.update_wrapper(self, function)
         self.function = function
         self.inner = _compile(function, "inner", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-        _optimise_lightly(self.inner)
+        _compile_once_and_lightly(self.inner)
 
     @functools.cached_property
     def entry(self) -> Any:
@@ -164,12 +163,20 @@ class Kernel:
         return list(self.entry.signatures)
 
     def __call__(self, *arguments: Any) -> Any:
+        """Call from Python."""
         return self.entry(*arguments)
 
 
-def _optimise_lightly(dispatcher: Any) -> None:
-    """Leave the heavy passes to the entry: what is linked into another kernel is optimised again there."""
-    compile_fully = dispatcher.compile
+def _compile_once_and_lightly(dispatcher: Any) -> None:
+    """One machine code for every constant argument, and the heavy passes left to the entry.
+
+    numba would compile a callee anew for each literal; and what is linked into another kernel is optimised there.
+    """
+    look_up, compile_fully = dispatcher.get_call_template, dispatcher.compile
+
+    def look_up_general(arguments: Any, keywords: Any) -> Any:
+        general = tuple(types.unliteral(argument) for argument in arguments)
+        return look_up(general, {name: types.unliteral(argument) for name, argument in keywords.items()})
 
     def compile_lightly(signature: Any) -> Any:
         before = numba_config.OPT
@@ -179,6 +186,7 @@ def _optimise_lightly(dispatcher: Any) -> None:
         finally:
             numba_config.OPT = before
 
+    dispatcher.get_call_template = look_up_general
     dispatcher.compile = compile_lightly
 
 

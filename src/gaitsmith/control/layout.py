@@ -82,7 +82,8 @@ _CLASSES: tuple[type, ...] = (
     EstimatorState,
     Telemetry,
 )
-_FIRST = tuple(sum(len(cls._fields) for cls in _CLASSES[:k]) for k in range(len(_CLASSES)))  # type: ignore[attr-defined]
+_SIZES = [len(cls.__annotations__) for cls in _CLASSES]
+_FIRST = tuple(sum(_SIZES[:k]) for k in range(len(_CLASSES)))
 (
     TREE,
     TREE_STATE,

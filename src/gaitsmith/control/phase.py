@@ -9,7 +9,7 @@ from gaitsmith.control.state import ControlState, TickGains
 from gaitsmith.control.touchdown import FORCED, NONE, TouchdownRule, detect_touchdown
 from gaitsmith.template.foothold import FootholdGains
 from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK, Gait, StepState
-from gaitsmith.template.switching import begin_step, latch, switch_legs
+from gaitsmith.template.switching import SETTLING_STEPS, begin_step, latch, switch_legs
 
 _HEIGHT_RATE = 0.15  # m/s, how fast the hips follow a new height while standing
 _LONGEST_STRADDLE = 0.06  # m, forward distance of the soles at which a walk may end in standing
@@ -35,7 +35,7 @@ def _leave_rest(
         step.station[1] = com[1]
     begin_step(step, stance, desired, frames.relative[swing], frames.sole_pitch[swing])
     step.last_duration[0] = 0.0
-    step.settling[0] = 3
+    step.settling[0] = SETTLING_STEPS
     step.mode[0] = WALK
 
 
@@ -45,7 +45,7 @@ def _may_rest(step: StepState, frames: Frames, gains: TickGains) -> bool:
     straddle = abs(frames.relative[0, 0, 0] - frames.relative[1, 0, 0])
     speed = abs(frames.com_velocity[0])
     slow = abs(step.last_mean_velocity[0]) < gains.entry_speed and speed < gains.entry_speed
-    return slow and straddle < _LONGEST_STRADDLE
+    return bool(slow and straddle < _LONGEST_STRADDLE)
 
 
 @kernel

@@ -52,7 +52,7 @@ def swing_pitch(step: StepState, gait: Gait) -> float:
     """Desired pitch of the swing sole: from its pitch at the switch to level during the lifting stage."""
     span = gait.alpha[0] * gait.period[0]
     phase = min(step.time[0] / span, 1.0) if span > 0.0 else 1.0
-    return step.swing_pitch_start[0] * (1.0 - phase * phase * (3.0 - 2.0 * phase))
+    return float(step.swing_pitch_start[0] * (1.0 - phase * phase * (3.0 - 2.0 * phase)))
 
 
 @kernel

@@ -84,10 +84,10 @@ def _heading_row(jacobian: Matrix, first: int, axis: int, heading: Vector, out: 
 def _heading_component(vector: Vector, first: int, axis: int, heading: Vector) -> float:
     """Component of a world vector along heading axis ``axis``."""
     if axis == 0:
-        return heading[1] * vector[first] + heading[2] * vector[first + 1]
+        return float(heading[1] * vector[first] + heading[2] * vector[first + 1])
     if axis == 1:
-        return heading[1] * vector[first + 1] - heading[2] * vector[first]
-    return vector[first + 2]
+        return float(heading[1] * vector[first + 1] - heading[2] * vector[first])
+    return float(vector[first + 2])
 
 
 @kernel

@@ -73,7 +73,7 @@ def pendulum_frequency(com_height: float) -> float:
 @kernel
 def expected_duration(step: StepState, gait: Gait) -> float:
     """How long the present step will last, from how long steps have lasted, s."""
-    return step.duration_ratio[0] * gait.period[0]
+    return float(step.duration_ratio[0] * gait.period[0])
 
 
 @kernel

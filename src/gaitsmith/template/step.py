@@ -66,7 +66,7 @@ class StepState(NamedTuple):
     mode: IntVector
     walk_requested: IntVector
     stance: IntVector
-    count: IntVector
+    count: IntVector  # type: ignore[assignment]
     time: Vector
     last_duration: Vector
     duration_ratio: Vector

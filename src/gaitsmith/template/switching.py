@@ -6,7 +6,7 @@ from gaitsmith.compiled import Matrix, kernel
 from gaitsmith.template.foothold import FootholdGains, finish_step
 from gaitsmith.template.step import LEFT, RIGHT, Gait, StepState
 
-_SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
+SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
 _SHORTEST, _LONGEST = 0.8, 1.1  # of the period; a step that a push cut short says nothing about the next
 _SETTLED_SPEED = 0.05  # m/s, below it a robot commanded to zero has arrived and keeps its station
 
@@ -16,7 +16,7 @@ def latch(step: StepState, requested: Gait, latched: Gait) -> None:
     """Take over the requested gait; the paper updates parameters when the legs switch (section 2.3)."""
     for axis in range(2):
         if requested.speed[axis] != latched.speed[axis]:
-            step.settling[0] = _SETTLING_STEPS
+            step.settling[0] = SETTLING_STEPS
         latched.speed[axis] = requested.speed[axis]
     latched.period[0] = requested.period[0]
     latched.alpha[0] = requested.alpha[0]

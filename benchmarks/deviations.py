@@ -1,0 +1,197 @@
+"""What every deviation from the paper is worth: one at a time is set back to the paper's choice, and BHR-B2 walks.
+
+Each row starts from the default preset and changes only the numbers named. Three things are run: a walk at 0.4 m/s,
+a walk in place, and pushes of 15 N·s from four sides at two phases of the stride, in place.
+
+    python benchmarks/deviations.py [--jobs N] [--only WORD] [--no-pushes] [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+from dataclasses import dataclass, field
+from functools import cache
+from time import perf_counter
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from joblib import Parallel, delayed
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from gaitsmith import Controller, Robot, Scenario, Simulation, load_robot
+from gaitsmith.robots.parameters import ControlParameters
+from gaitsmith.simulation import Push, Summary
+
+IMPULSE = 15.0  # N·s
+DIRECTIONS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))  # forward, left, back, right
+PHASES = (0.25, 0.75)  # the middle of either leg's stance
+FAST = 0.4  # m/s
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """One thing set back: its name, and the preset's numbers that do it, by group."""
+
+    name: str
+    numbers: dict[str, dict[str, Any]] = field(default_factory=dict, hash=False)
+
+
+def deviations(robot: Robot) -> tuple[Deviation, ...]:
+    paper = robot.card.presets["paper"].model_dump()
+    eq15 = {"deadbeat": 0.0, "prediction": 0.0, "mean_speed": 0.0, "integral_gain": (0.0, 0.0)}
+    return (
+        Deviation("default preset, nothing set back"),
+        Deviation("paper preset", paper),
+        Deviation("foothold: no speed integral", {"foothold": {"integral_gain": (0.0, 0.0)}}),
+        Deviation("foothold: no station keeping", {"foothold": {"station_gain": (0.0, 0.0)}}),
+        Deviation("foothold: present velocity, no forecast", {"foothold": {"prediction": 0.0}}),
+        Deviation("foothold: fixed k_v 0.30 s", {"foothold": {"deadbeat": 0.0}}),
+        Deviation("foothold: step T v_d from the hips", {"foothold": {"mean_speed": 0.0}}),
+        Deviation("foothold: eq. 15 alone", {"foothold": {**eq15, "station_gain": (0.0, 0.0)}}),
+        Deviation("foothold: k_a 0.03 s²", {"foothold": {"acceleration_gain": 0.03}}),
+        Deviation("foothold: no least foot separation", {"foothold": {"separation": 1e-3}}),
+        Deviation("ankle: target 0 instead of speed error", {"ankle": {"speed_gain": 0.0}}),
+        Deviation("ankle: no cost on its torque", {"ankle": {"speed_gain": 0.0}, "weights": {"ankle_torque": 0.0}}),
+        Deviation("stance: sole's pitch and yaw free", {"weights": {"stance_angular": 0.0}}),
+        Deviation("contact: yaw moment unbounded", {"contact": {"yaw_friction": 100.0}}),
+        Deviation("contact: ZMP up to the sole's edge", {"contact": {"zmp_margin": 0.0}}),
+        Deviation(
+            "swing foot: weight 1, gains 400 and 40",
+            {"weights": {"swing_foot": 1.0}, "tracking": {"foot_stiffness": 400.0, "foot_damping": 40.0}},
+        ),
+        Deviation("swing foot: joints alone, no eq. 19", {"weights": {"swing_foot": 0.0}}),
+        Deviation("swing ankle: weight as the other joints", {"weights": {"swing_ankle": 0.3}}),
+        Deviation("joints: PD of eq. 27 on", {"joint_gains": paper["joint_gains"]}),
+        Deviation("touchdown: by the clock at T", {"touchdown": {"earliest": 1.0, "latest": 1.0}}),
+        Deviation("touchdown: contact counts at once", {"touchdown": {"earliest": 0.0}}),
+        Deviation("touchdown: foot stays at T's height", {"touchdown": {"descent_speed": 0.0}}),
+    )
+
+
+def changed(parameters: ControlParameters, numbers: dict[str, dict[str, Any]]) -> ControlParameters:
+    """Validated copy with some numbers replaced."""
+    values = parameters.model_dump()
+    for group, given in numbers.items():
+        values[group] = {**values[group], **given}
+    return ControlParameters.model_validate(values)
+
+
+def scenarios(pushes: bool) -> dict[str, list[Scenario]]:
+    """What one row runs, by kind."""
+    found = {
+        "fast": [Scenario(speed=(FAST, 0.0), duration=12.0, rest_after=2.0)],
+        "in place": [Scenario(duration=16.0)],
+    }
+    if pushes:
+        found["pushed"] = [
+            Scenario(
+                duration=6.0,
+                pushes=(Push(time=2.5, phase=phase, impulse=(IMPULSE * x, IMPULSE * y, 0.0)),),
+            )
+            for x, y in DIRECTIONS
+            for phase in PHASES
+        ]
+    return found
+
+
+@cache
+def _robot() -> Robot:
+    return load_robot("bhr_b2")
+
+
+def run_row(row: Deviation, pushes: bool) -> dict[str, Any]:
+    """Every figure of one row; None where the robot fell before it could be measured."""
+    robot = _robot()
+    parameters = changed(robot.card.presets["default"], row.numbers)
+
+    def run(scenario: Scenario) -> Summary:
+        controller = Controller(robot, preset=parameters)
+        return Simulation(scenario, robot=robot, controller=controller, record=False).run().summary
+
+    results = {kind: [run(scenario) for scenario in group] for kind, group in scenarios(pushes).items()}
+    fast, still = results["fast"][0], results["in place"][0]
+    pushed = results.get("pushed", [])
+    falls = [summary.fall for summary in (fast, still) if summary.fall is not None]
+    walking = [stage for summary in (fast, still) for stage in summary.stages if not stage.rest]
+    return {
+        "name": row.name,
+        "numbers": row.numbers,
+        "speed_error_fast": None if fast.fell else next(s.vx_error for s in fast.stages if not s.rest),
+        "speed_error_in_place": None if still.fell else still.stages[-1].vx_error,
+        "drift": None if still.fell else still.drift,
+        "roll_deg": None if falls else max(abs(angle) for stage in walking for angle in stage.roll_deg),
+        "pitch_deg": None if falls else max(abs(angle) for stage in walking for angle in stage.pitch_deg),
+        "height_error": None if falls else max((stage.height_error for stage in walking), key=abs),
+        "yaw_deg": None if falls else max(abs(angle) for s in (fast, still) for angle in s.yaw_deg),
+        "separation": min(fast.min_foot_separation, still.min_foot_separation),
+        "qp_fallbacks": fast.qp.fallbacks + still.qp.fallbacks,
+        "pushes_survived": sum(not summary.fell for summary in pushed) if pushed else None,
+        "pushes": len(pushed),
+        "falls": [{"time": fall.time, "phase": fall.phase, "reason": fall.reason} for fall in falls],
+    }
+
+
+def table(rows: list[dict[str, Any]]) -> Table:
+    def number(value: float | None, scale: float, digits: int, sign: str = "") -> str:
+        return "–" if value is None else f"{scale * value:{sign}.{digits}f}"
+
+    shown = Table("set back to the paper", title="one deviation at a time, BHR-B2, true state, flat ground")
+    heads = ("0.4 m/s", "in place", "drift", "roll", "pitch", "height", "separation", f"{IMPULSE:g} N·s", "fell")
+    units = ("mm/s", "mm/s", "cm", "±°", "±°", "mm", "cm", "survived", "after s")
+    for head, unit in zip(heads, units, strict=True):
+        shown.add_column(f"{head}\n{unit}", justify="right")
+    for row in rows:
+        shown.add_row(
+            row["name"],
+            number(row["speed_error_fast"], 1000.0, 1, "+"),
+            number(row["speed_error_in_place"], 1000.0, 1, "+"),
+            number(row["drift"], 100.0, 1),
+            number(row["roll_deg"], 1.0, 2),
+            number(row["pitch_deg"], 1.0, 2),
+            number(row["height_error"], 1000.0, 1, "+"),
+            number(row["separation"], 100.0, 1),
+            "–" if row["pushes_survived"] is None else f"{row['pushes_survived']} of {row['pushes']}",
+            ", ".join(f"{fall['time']:.1f}" for fall in row["falls"]) or "no",
+        )
+    return shown
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--only", default="", help="rows whose name holds this word")
+    parser.add_argument("--no-pushes", action="store_true")
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args()
+    chosen = [row for row in deviations(_robot()) if arguments.only in row.name]
+    if not chosen:
+        sys.exit(f"--only {arguments.only}: expected part of one of: {', '.join(r.name for r in deviations(_robot()))}")
+    Simulation(Scenario(duration=1.0), robot=_robot(), record=False)  # compile once, not in every process
+    console, began, rows = Console(stderr=True), perf_counter(), []
+    work = (delayed(run_row)(row, not arguments.no_pushes) for row in chosen)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("walking", total=len(chosen))
+        for result in Parallel(n_jobs=max(1, min(arguments.jobs, len(chosen))), return_as="generator")(work):
+            rows.append(result)
+            progress.update(task, advance=1, description=f"walked: {result['name']}")
+    seconds = math.ceil(perf_counter() - began)
+    if arguments.json:
+        print(json.dumps({"rows": rows, "seconds": seconds}, indent=2))
+        return
+    out = Console(width=None if sys.stdout.isatty() else 150)
+    out.print(table(rows))
+    for row in rows:
+        for fall in row["falls"]:
+            out.print(f"{row['name']}: fell at {fall['time']:.2f} s, {fall['phase']}: {fall['reason']}")
+    out.print(f"{len(rows)} rows in {seconds} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,168 @@
+"""The controller as its user sees it: construction, commands, reset, telemetry; bad input is refused in one line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.control.walking import ROBOTS, Held, Loop, gait, parameters, robot
+
+from gaitsmith.control import Controller, Telemetry
+from gaitsmith.control.measurement import make_measurement
+from gaitsmith.control.telemetry import make_telemetry
+from gaitsmith.errors import BadInput
+from gaitsmith.robots.parameters import GaitParameters
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_telemetry_columns_match_the_buffer(name: str) -> None:
+    """One name per entry, in the order of the fields; the fields are views of the buffer."""
+    joints = robot(name).joint_names
+    telemetry, buffer, columns = make_telemetry(joints)
+    assert len(columns) == len(buffer) == len(set(columns))
+    buffer[:] = np.arange(len(buffer))
+    at = 0
+    for field, view in zip(Telemetry._fields, telemetry, strict=True):
+        own = columns[at : at + len(view)]
+        assert all(column.split(".")[0] == field for column in own)
+        np.testing.assert_array_equal(view, np.arange(at, at + len(view)))
+        if field.startswith(("joint_", "torque")):
+            assert [column.split(".", 1)[1] for column in own] == list(joints)
+        at += len(view)
+    assert at == len(buffer)
+
+
+def test_telemetry_reports_the_tick() -> None:
+    """The controller's buffer holds what the groups hold."""
+    loop = Loop("bhr_b2")
+    for tick in range(400):
+        if tick == 50:
+            loop.controller.walk()
+        torque = loop.step()
+    controller, groups = loop.controller, loop.controller._groups
+    values = dict(zip(controller.telemetry_columns, controller.telemetry_buffer, strict=True))
+    assert values["time"] == pytest.approx(0.4)
+    assert values["step_count"] == groups.step.count[0] >= 1
+    assert values["command.height"] == loop.gait.height
+    assert values["hip_height"] == pytest.approx(loop.gait.height, abs=0.02)
+    for j, joint in enumerate(loop.robot.joint_names):
+        assert values[f"torque.{joint}"] == torque[j]
+        assert values[f"joint_position.{joint}"] == groups.control.q[7 + j]
+    assert values["wrench.left.fz"] == groups.whole_body.wrench[0, 2]
+    assert values["foot_actual.right.z"] == groups.frames.relative[1, 0, 2]
+    assert np.isfinite(controller.telemetry_buffer).all()
+
+
+def test_no_two_fields_share_memory() -> None:
+    """Neither by accident nor after an arena has placed them."""
+    controller = Held().controller
+    arrays = [array for group in controller._groups for array in group]
+    for k, array in enumerate(arrays):
+        assert array.flags.c_contiguous
+        assert not any(np.shares_memory(array, other) for other in arrays[:k])
+
+
+BAD_COMMANDS: list[dict[str, Any]] = [
+    {"height": 5.0},
+    {"height": 0.1},
+    {"period": 0.01},
+    {"period": 100.0},
+    {"alpha": 0.99},
+    {"lift": 2.0},
+    {"width": 1.0},
+    {"speed": (9.0, 0.0)},
+    {"speed": (0.0, -9.0)},
+]
+
+
+@pytest.mark.parametrize("command", BAD_COMMANDS, ids=str)
+def test_bad_commands_are_refused(command: dict[str, Any]) -> None:
+    """The field is named with its range, and nothing has changed."""
+    controller = Controller(robot("bhr_b2"))
+    before = [array.copy() for array in controller._groups.requested]
+    with pytest.raises(BadInput) as caught:
+        controller.command(**command)
+    assert caught.value.field.startswith(next(iter(command)))
+    assert "\n" not in str(caught.value)
+    assert controller.gait == robot("bhr_b2").card.gait
+    for now, then in zip(controller._groups.requested, before, strict=True):
+        np.testing.assert_array_equal(now, then)
+
+
+@pytest.mark.xfail(reason="pydantic's ValidationError, of several lines, reaches the user", strict=False)
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -0.4, 0.0])
+def test_numbers_that_are_none_are_refused(value: float) -> None:
+    for field in ("height", "period", "alpha", "lift", "width"):
+        with pytest.raises(BadInput, match=field):
+            Controller(robot("bhr_b2")).command(**{field: value})
+
+
+def test_bad_construction_is_refused() -> None:
+    with pytest.raises(BadInput, match="default, paper"):
+        Controller(robot("bhr_b2"), "fast")
+    with pytest.raises(BadInput, match="true or estimated"):
+        Controller(robot("bhr_b2"), state="guessed")  # type: ignore[arg-type]
+    with pytest.raises(BadInput, match="height"):
+        Controller(robot("bhr_b2"), gait=gait("bhr_b2", height=3.0))
+
+
+def test_preset_may_be_given_as_parameters() -> None:
+    chosen = parameters("bhr_b2", "paper")
+    assert Controller(robot("bhr_b2"), chosen).parameters is chosen
+
+
+def test_command_keeps_what_is_not_named() -> None:
+    controller = Controller(robot("bhr_b2"))
+    controller.command(speed=(0.3, 0.0))
+    controller.command(height=0.66)
+    assert controller.gait == GaitParameters(**{**gait("bhr_b2").model_dump(), "speed": (0.3, 0.0), "height": 0.66})
+    controller.stand()
+    assert controller.gait.speed == (0.0, 0.0)
+    assert controller.gait.height == 0.66
+
+
+def test_a_measurement_may_be_passed() -> None:
+    """Its own, or another one, which is copied."""
+    held = Held()
+    expected = held.tick()
+    own = make_measurement(len(held.robot.joint_names))
+    for copy, original in zip(own, held.controller.measurement, strict=True):
+        copy[...] = original
+    other = Held().controller
+    np.testing.assert_array_equal(other.tick(own), expected)
+    assert not np.shares_memory(other.measurement.joint_position, own.joint_position)
+
+
+def test_tick_returns_a_view() -> None:
+    """The same array every time: nothing is allocated."""
+    held = Held()
+    held.tick()
+    assert held.controller.tick() is held.controller.tick()
+
+
+@pytest.mark.parametrize("state", ["true", "estimated"])
+def test_reset_forgets_everything_but_the_gait(state: str) -> None:
+    """After a reset the same measurements give the same torques as a new controller's, to the bit."""
+    used = Held(state=state)
+    used.controller.walk()
+    for _ in range(1000):
+        used.tick(10.0, np.nan if used.groups.control.time[0] < 0.1 else 300.0)
+    used.controller.command(height=0.66)
+    used.controller.reset()
+    fresh = Held(state=state)
+    fresh.controller.command(height=0.66)
+    fresh.controller.reset()
+    for _ in range(200):
+        np.testing.assert_array_equal(used.tick(), fresh.tick())
+    for name in ("step", "control", "latched", "estimator", "whole_body", "telemetry"):
+        ours, theirs = getattr(used.groups, name), getattr(fresh.groups, name)
+        for field, a, b in zip(ours._fields, ours, theirs, strict=True):
+            np.testing.assert_array_equal(a, b, err_msg=f"{name}.{field}")
+
+
+@pytest.mark.xfail(reason="the standing height is set by reset alone, and starts at zero", strict=False)
+def test_a_new_controller_needs_no_reset() -> None:
+    held, fresh = Held(), Controller(robot("bhr_b2"), parameters("bhr_b2"))
+    expected = held.tick()
+    np.testing.assert_array_equal(fresh.tick(held.controller.measurement), expected)

@@ -1,0 +1,127 @@
+"""Leg trajectories meet the boundary conditions of eqs. 7-12, join smoothly, and sink when the ground is late."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gaitsmith.robots.parameters import GaitParameters
+from gaitsmith.template.step import Gait, StepState, make_gait, make_step_state
+from gaitsmith.template.trajectory import support_height, swing_foot
+
+EXACT = 1e-9  # m, m/s, m/s²: rounding of a closed form whose terms reach 1e3
+JOIN = 1e-6  # s, on both sides of the joint
+DESCENT = 0.25  # m/s
+
+gaits = st.builds(
+    GaitParameters,
+    period=st.floats(0.2, 1.0),
+    alpha=st.floats(0.2, 0.8),
+    height=st.floats(0.4, 0.75),
+    lift=st.floats(0.02, 0.2),
+    width=st.just(0.04),
+)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def a_step(seed: int) -> tuple[StepState, np.ndarray]:
+    """A step that starts from a random state of both soles, and a foothold."""
+    rng, step = np.random.default_rng(seed), make_step_state()
+    step.support_start[:] = rng.normal(size=(3, 3)) * [[0.2], [0.5], [2.0]]
+    step.support_start[0, 2] = -rng.uniform(0.4, 0.75)
+    step.swing_start[:] = rng.normal(size=(2, 3)) * [[0.2], [0.5]]
+    step.swing_start[0, 2] = -rng.uniform(0.4, 0.75)
+    return step, rng.uniform(-0.3, 0.3, size=2)
+
+
+def support_at(step: StepState, gait: Gait, time: float) -> np.ndarray:
+    step.time[0], out = time, np.zeros(3)
+    support_height(step, gait, out)
+    return out
+
+
+def swing_at(step: StepState, gait: Gait, foothold: np.ndarray, time: float) -> np.ndarray:
+    step.time[0], out = time, np.zeros((3, 3))
+    swing_foot(step, gait, foothold, -gait.height[0], DESCENT, np.zeros(3), out)
+    return out
+
+
+@given(gaits, seeds)
+def test_support_goes_from_its_desired_state_to_the_height(parameters: GaitParameters, seed: int) -> None:
+    """First rule of section 2.2 at the start, eq. 7 at the end."""
+    gait, (step, _) = make_gait(parameters), a_step(seed)
+    np.testing.assert_allclose(support_at(step, gait, 0.0), step.support_start[:, 2], atol=EXACT)
+    np.testing.assert_allclose(support_at(step, gait, parameters.period), [-parameters.height, 0.0, 0.0], atol=EXACT)
+
+
+@given(gaits)
+def test_support_at_its_height_stays_there(parameters: GaitParameters) -> None:
+    """Eq. 7 to the letter: nothing moves."""
+    gait, step = make_gait(parameters), make_step_state()
+    step.support_start[0, 2] = -parameters.height
+    for time in np.linspace(0.0, 1.5 * parameters.period, 20):
+        np.testing.assert_allclose(support_at(step, gait, time), [-parameters.height, 0.0, 0.0], atol=EXACT)
+
+
+@given(gaits, seeds)
+def test_swing_boundary_conditions(parameters: GaitParameters, seed: int) -> None:
+    """From the actual state (second rule of section 2.2) over the lift to rest on the foothold (eqs. 10-12)."""
+    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    landing = np.array([*foothold, -parameters.height])
+    start = swing_at(step, gait, foothold, 0.0)
+    np.testing.assert_allclose(start[:2], step.swing_start, atol=EXACT)
+    np.testing.assert_allclose(start[2], 0.0, atol=EXACT)
+    middle = swing_at(step, gait, foothold, parameters.alpha * parameters.period)[0]
+    np.testing.assert_allclose(middle[:2], 0.5 * (step.swing_start[0, :2] + foothold), atol=EXACT)
+    np.testing.assert_allclose(middle[2], parameters.lift - parameters.height, atol=EXACT)
+    end = swing_at(step, gait, foothold, parameters.period)
+    np.testing.assert_allclose(end, [landing, np.zeros(3), np.zeros(3)], atol=EXACT)
+
+
+@given(gaits, seeds)
+def test_sections_join_with_equal_acceleration(parameters: GaitParameters, seed: int) -> None:
+    """No jump at αT beyond what a microsecond of the curve's own jerk makes."""
+    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    joint = parameters.alpha * parameters.period
+    before = swing_at(step, gait, foothold, joint - JOIN)
+    after = swing_at(step, gait, foothold, joint + JOIN)
+    shortest = min(joint, parameters.period - joint)
+    jerk = 1e3 * (1.0 + np.max(np.abs(after))) / shortest
+    assert np.max(np.abs(after - before)) < jerk * JOIN
+
+
+@given(gaits, seeds, st.floats(0.02, 0.98))
+def test_rates_are_the_derivatives(parameters: GaitParameters, seed: int, share: float) -> None:
+    """Velocity and acceleration by central differences, away from the joint."""
+    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    period, delta = parameters.period, 1e-5
+    time = share * period
+    if abs(time - parameters.alpha * period) < 2.0 * delta:
+        return
+    low, here, high = (swing_at(step, gait, foothold, time + shift) for shift in (-delta, 0.0, delta))
+    slope = (high - low) / (2.0 * delta)
+    np.testing.assert_allclose(slope[0], here[1], atol=1e-4 * (1.0 + np.max(np.abs(here))))
+    np.testing.assert_allclose(slope[1], here[2], atol=1e-3 * (1.0 + np.max(np.abs(here)) / period))
+
+
+@given(gaits, seeds, st.floats(0.0, 0.6))
+def test_late_sole_goes_on_downwards(parameters: GaitParameters, seed: int, late: float) -> None:
+    """Past T it stays over the foothold and sinks at the given speed, without a jump."""
+    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    late = max(late, 1e-6)
+    found = swing_at(step, gait, foothold, parameters.period + late)
+    np.testing.assert_allclose(found[0], [*foothold, -parameters.height - DESCENT * late], atol=EXACT)
+    np.testing.assert_allclose(found[1], [0.0, 0.0, -DESCENT], atol=EXACT)
+    assert not np.any(found[2])
+
+
+@given(gaits, seeds)
+def test_foothold_may_move_during_the_step(parameters: GaitParameters, seed: int) -> None:
+    """The curve is linear in the foothold, and its end is wherever the foothold is now."""
+    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    time = 0.7 * parameters.period
+    here = swing_at(step, gait, foothold, time)
+    shift = np.array([0.1, -0.05])
+    once = swing_at(step, gait, foothold + shift, time) - here
+    twice = swing_at(step, gait, foothold + 2.0 * shift, time) - here
+    np.testing.assert_allclose(twice, 2.0 * once, atol=EXACT)
+    assert not np.any(once[:, 2])
