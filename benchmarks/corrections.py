@@ -1,6 +1,6 @@
 """What the deviations from the paper change, one at a time, on the dynamic cyclic gait (0.40 m/s).
 
-    OMP_NUM_THREADS=1 python benchmarks/corrections.py
+OMP_NUM_THREADS=1 python benchmarks/corrections.py
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Ten random starts of the static gait: the same optimum from all of them?
 
-    OMP_NUM_THREADS=1 python benchmarks/random_starts.py
+OMP_NUM_THREADS=1 python benchmarks/random_starts.py
 """
 
 import time

@@ -1,6 +1,6 @@
 """SLSQP, a stand-in for the paper's fmincon, on the same transcription as IPOPT: one static cyclic gait.
 
-    OMP_NUM_THREADS=1 python benchmarks/slsqp.py [seconds]
+OMP_NUM_THREADS=1 python benchmarks/slsqp.py [seconds]
 """
 
 import sys
@@ -11,7 +11,8 @@ from scipy.optimize import minimize
 
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Settings, StepParameters
-from gaitsmith.synthesis.assembly import Assembly, Caller
+from gaitsmith.synthesis.assembly import Assembly
+from gaitsmith.synthesis.caller import Caller
 from gaitsmith.synthesis.guess import default_start
 from gaitsmith.synthesis.ipopt import solve_ipopt
 from gaitsmith.synthesis.motions import cyclic
@@ -33,7 +34,7 @@ def main(limit: float) -> None:
     spent = time.process_time() - begin
     z, o = program.evaluate(ours.x)
     print(f"{program.size} unknowns, {program.rows} rows, all bounds at all points")
-    print(f"IPOPT: {ours.status}, {ours.iterations} iterations, {spent:.2f} s of processor time, J = {program.objective(z, o):.2f}")
+    print(f"IPOPT: {ours.status}, {ours.iterations} iterations, {spent:.2f} s CPU, J = {program.objective(z, o):.2f}")
 
     call = Caller(Assembly(program).first_order)
     equal = program.high == program.low
@@ -85,7 +86,9 @@ def main(limit: float) -> None:
     z, o = program.evaluate(x)
     violation = program.violation(program.constraint(x, o)).max()
     spent = time.process_time() - begin
-    print(f"SLSQP: {ending}, {count} evaluations, {spent:.1f} s of processor time, J = {program.objective(z, o):.2f}, worst {violation:.1e}")
+    print(
+        f"SLSQP: {ending}, {count} evaluations, {spent:.1f} s CPU, J = {program.objective(z, o):.2f}, worst {violation:.1e}"
+    )
 
 
 if __name__ == "__main__":

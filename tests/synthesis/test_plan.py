@@ -98,7 +98,8 @@ def test_progress_is_told_and_an_interrupt_ends_the_solve(planner):
 
 
 def test_rows_have_the_derivatives_that_the_solver_is_given(planner):
-    from gaitsmith.synthesis.assembly import Assembly, Caller
+    from gaitsmith.synthesis.assembly import Assembly
+    from gaitsmith.synthesis.caller import Caller
     from gaitsmith.synthesis.guess import default_start
 
     trans = Transcription(planner.biped, cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings())

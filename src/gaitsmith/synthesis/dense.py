@@ -38,7 +38,9 @@ class BoundTable:
 
     def values(self, o: Array, z: Array, s: Array) -> Array:
         """(bounds, N) values in the bounds' units; s (N,) is the normalised time in the phase."""
-        return np.asarray(self.out @ o + self.inp @ z + np.array([np.broadcast_to(bound.offset(s), s.shape) for bound in self.bounds]))
+        return np.asarray(
+            self.out @ o + self.inp @ z + np.array([np.broadcast_to(bound.offset(s), s.shape) for bound in self.bounds])
+        )
 
     def violations(self, values: Array) -> Array:
         """(bounds, N) share of the span by which a bound is violated; negative inside."""
