@@ -71,7 +71,7 @@ class Rows:
     def add_bound(
         self, bound: Bound, label: Label, point: int, share: float, inputs: sp.csr_matrix, tighten: float = 0.0
     ) -> None:
-        """Append a bound at a point, divided by its span; ``share``: normalised time, ``tighten``: share of the span."""
+        """Append a bound at a point, divided by its span; ``share``: normalised time; ``tighten``: part of the span."""
         constant = bound.constant if not bound.rise else float(bound.offset(np.array(share)))
         scale = 1.0 / bound.span
         base = point * self.layout.outputs

@@ -9,6 +9,7 @@ import daqp
 import numpy as np
 import numpy.typing as npt
 import scipy.linalg as sl
+import scipy.sparse as sp
 
 from gaitsmith.synthesis.assembly import Assembly
 from gaitsmith.synthesis.caller import Caller
@@ -18,8 +19,8 @@ from gaitsmith.synthesis.program import OBJECTIVE_SCALE, Program
 Array = npt.NDArray[np.float64]
 _NEAR = 0.1  # inequality rows this close to a bound take part in the quadratic program (shares of their range)
 _RANK = 1e-9  # relative; equality rows that depend on others
-_GAIN = 1e-5  # relative decrease of the objective that is not worth another step
-_ROWS = 1e-4  # violation from which the last rows are settled without the objective
+_GAIN = 1e-4  # relative decrease of the objective that is not worth another step
+_ROWS = 1e-3  # violation from which the last rows are settled without the objective
 _SETTLED = 1e-7
 _PROXIMAL = 1e-2  # curvature added per unknown: directions that cost nothing are not worth a long step
 _STEP = 1.0  # largest change of an unknown in one step
@@ -56,15 +57,15 @@ def solve_sqp(
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
     for iteration in range(max_iterations + 1):
         gradient, rows, _ = first_order(x)
-        jacobian = first_order.matrix(2).toarray()
+        jacobian = first_order.matrix(2).tocsr()
         violation = float(program.violation(rows).max(initial=0.0))
         z, o = program.evaluate(x)
         objective = program.objective(z, o) * OBJECTIVE_SCALE
         if report is not None:
             report(progress_of(program, iteration, objective / OBJECTIVE_SCALE, rows))
         hessian(x, np.zeros(0), 1.0, lam)
-        upper = hessian.matrix(0).toarray()
-        H = upper + np.triu(upper, 1).T
+        upper = hessian.matrix(0)
+        H = (upper + sp.triu(upper, 1).T).tocsr()
         found = _step(program, gradient, rows, jacobian, H, equal, bounded)
         if found is None:
             status = "Quadratic_Program_Failed"
@@ -116,13 +117,13 @@ def _step(
     program: Program,
     gradient: Array,
     rows: Array,
-    jacobian: Array,
-    H: Array,
+    jacobian: sp.csr_matrix,
+    H: sp.csr_matrix,
     equal: npt.NDArray[np.bool_],
     bounded: npt.NDArray[np.int64],
 ) -> tuple[Array, Array] | None:
     """Step and multipliers of the quadratic program; None if it has no solution."""
-    A, b = jacobian[equal], program.low[equal] - rows[equal]
+    A, b = jacobian[np.flatnonzero(equal)].toarray(), program.low[equal] - rows[equal]
     # Column-pivoted QR of Aᵀ: the range of Aᵀ, and the null space in which the step is free.
     Q, R, order = sl.qr(A.T, mode="full", pivoting=True)
     diagonal = np.abs(np.diag(R))
@@ -134,7 +135,7 @@ def _step(
     ahead = rows[bounded] + J @ particular
     low, high = program.low[bounded], program.high[bounded]
     near = np.flatnonzero((ahead - low < _NEAR) | (high - ahead < _NEAR))
-    reduced, free = _convex(Z.T @ H @ Z), Z.T @ (gradient + H @ particular)
+    reduced, free = _convex(Z.T @ (H @ Z)), Z.T @ (gradient + H @ particular)
     inner = J[near] @ Z
     upper, lower = np.minimum(high[near] - ahead[near], 1e20), np.maximum(low[near] - ahead[near], -1e20)
     sense = np.zeros(len(near), dtype=np.int32)
