@@ -45,7 +45,7 @@ class PlanArguments:
     """Distance of the ZMP from the support sole's edge, m."""
     friction: Annotated[float | None, number("--friction", "MU")] = None
     """Coulomb coefficient."""
-    time_limit: Annotated[float, number("--time-limit", "S")] = 120.0
+    time_limit: Annotated[float, number("--time-limit", "S")] = 60.0
     """For each solve, s."""
     jobs: Annotated[int, integer("--jobs", "N", 1)] = 1
     """Processes of a sweep."""

@@ -73,4 +73,4 @@ class Settings(Parameters):
     dense: Annotated[int, Field(ge=50, le=5000)] = 400
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=10000)] = 400
-    time_limit: Annotated[float, Field(gt=0.0, le=3600.0)] = 120.0
+    time_limit: Annotated[float, Field(gt=0.0, le=3600.0)] = 60.0
