@@ -5,7 +5,9 @@ import pytest
 
 from gaitsmith.errors import BadInput, CacheRefused
 from gaitsmith.robots import load_robot
+from gaitsmith.synthesis import Planner, StepParameters
 from gaitsmith.synthesis.biped import biped_from
+from gaitsmith.synthesis.motions import cyclic
 from gaitsmith.synthesis.point import find_compiler, point_functions
 
 SAME = 1e-9  # relative: compiler and virtual machine round differently
@@ -79,12 +81,12 @@ def test_a_cache_that_others_may_write_to_is_refused(planner, tmp_path, monkeypa
         point_functions(planner.biped)
 
 
-def test_without_a_compiler_the_plan_is_the_same(planner, interpreted, dynamic):
-    from gaitsmith.synthesis import Planner, StepParameters
-    from gaitsmith.synthesis.motions import cyclic
-
-    slow = Planner.__new__(Planner)
-    slow.biped, slow.functions = planner.biped, interpreted
-    found = slow.plan(cyclic(planner.biped, StepParameters(0.20, 0.5)))
+def test_without_a_compiler_the_plan_is_the_same(robot, dynamic, monkeypatch):
+    monkeypatch.setenv("GAITSMITH_CC", "none")
+    notices = []
+    slow = Planner(robot, notices.append)
+    found = slow.plan(cyclic(slow.biped, StepParameters(0.20, 0.5)))
+    assert not slow.functions.compiled
+    assert len(notices) == 1
     assert found.solved
     assert abs(found.objective - dynamic.main.objective) < 1e-3 * dynamic.main.objective
