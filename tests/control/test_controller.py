@@ -90,7 +90,6 @@ def test_bad_commands_are_refused(command: dict[str, Any]) -> None:
         np.testing.assert_array_equal(now, then)
 
 
-@pytest.mark.xfail(reason="pydantic's ValidationError, of several lines, reaches the user", strict=False)
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -0.4, 0.0])
 def test_numbers_that_are_none_are_refused(value: float) -> None:
     for field in ("height", "period", "alpha", "lift", "width"):
@@ -161,7 +160,6 @@ def test_reset_forgets_everything_but_the_gait(state: str) -> None:
             np.testing.assert_array_equal(a, b, err_msg=f"{name}.{field}")
 
 
-@pytest.mark.xfail(reason="the standing height is set by reset alone, and starts at zero", strict=False)
 def test_a_new_controller_needs_no_reset() -> None:
     held, fresh = Held(), Controller(robot("bhr_b2"), parameters("bhr_b2"))
     expected = held.tick()

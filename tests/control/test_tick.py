@@ -142,7 +142,6 @@ def test_what_is_remembered_agrees(case: str) -> None:
             assert difference <= bound, f"{name} at tick {comparison.tick}"
 
 
-@pytest.mark.xfail(reason="the warm start accepts multipliers of the wrong sign up to 1e-10", strict=False)
 @cases
 def test_no_bound_is_held_against_its_multiplier(case: str) -> None:
     """A bound that pushes the wrong way must be let go: next to it the torques can be percents off."""

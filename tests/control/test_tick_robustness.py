@@ -102,7 +102,6 @@ def test_absurd_readings(state: str, data: st.DataObject) -> None:
     assert_bounded(torques, walk)
 
 
-@pytest.mark.xfail(reason="a huge but finite reading is believed, and overflows into what is remembered", strict=False)
 @states
 def test_absurd_readings_are_forgotten(state: str) -> None:
     """One tick of nonsense must not stay in memory."""

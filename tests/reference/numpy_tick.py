@@ -101,7 +101,7 @@ class NumpyTick:
             if memory.walk_requested:
                 self._begin(now, LEFT if requested.speed[1] < 0.0 else RIGHT, from_rest=True)
                 memory.walking, memory.settling = True, SETTLING
-                return (LEFT, RIGHT) if memory.step_count == 1 else (1 - memory.stance,)
+                return LEFT, RIGHT
             memory.station_kept = False
             change = requested.height - memory.standing_height
             memory.standing_height += float(np.clip(change, -HEIGHT_RATE * DT, HEIGHT_RATE * DT))
@@ -121,6 +121,7 @@ class NumpyTick:
         self._begin(now, swing)
         if landed and not memory.walk_requested and self._may_rest(now):
             memory.walking = False
+            memory.step_count -= 1
             memory.standing_height = -0.5 * (now.offset(LEFT)[0, 2] + now.offset(RIGHT)[0, 2])
             return ()
         return (1 - memory.stance,)
@@ -225,9 +226,9 @@ class NumpyTick:
             target += np.clip(np.array(gains.station_gain) * drift, -gains.station_limit, gains.station_limit)
         outward = 1.0 if memory.stance == RIGHT else -1.0
         beside = now.offset(memory.stance)[0, 1]
-        lateral = outward * max(outward * (target[1] + outward * gait.width), outward * beside + gains.separation)
-        bounds = np.array([gains.reach, gains.spread])
-        return np.clip([target[0], lateral], -bounds, bounds)
+        lateral = np.clip(target[1] + outward * gait.width, -gains.spread, gains.spread)
+        lateral = outward * max(outward * lateral, outward * beside + gains.separation)
+        return np.array([np.clip(target[0], -gains.reach, gains.reach), lateral])
 
     # ---- inverse kinematics: eqs. 28-32 --------------------------------------------------------------------------
 

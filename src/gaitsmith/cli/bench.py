@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Annotated, Any
 
 from gaitsmith.cli.arguments import Repeatable, integer, number, parse, text
@@ -123,7 +124,23 @@ def _measure(name: str, arguments: Any) -> Outcome:
             progress.update(task, completed=done, total=total, description=what)
 
         result = experiment(**options, progress=advance)
+    _draw_grids(result.document, options)
     return Outcome(INTERRUPTED if result.interrupted else DONE, result.document, lambda: _print_result(result))
+
+
+def _draw_grids(document: dict[str, Any], options: dict[str, Any]) -> None:
+    """A map of every grid of pushes, beside its numbers."""
+    if not document.get("grids"):
+        return
+    import logging
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    from gaitsmith.view import draw_push_map, save
+
+    for grid in document["grids"]:
+        if "survival_time" in grid:
+            picture = draw_push_map(grid["name"], grid["survival_time"], grid["survival_limit"])
+            save(picture, Path(options["out"]) / f"{grid['slug']}.png")
 
 
 def _print_result(result: Any) -> None:

@@ -7,7 +7,7 @@ from typing import NoReturn
 
 from rich.console import Console
 
-_WIDE = 110  # columns when the output is no terminal
+_WIDE = 140  # columns when the output is no terminal
 
 
 class Printer(Console):

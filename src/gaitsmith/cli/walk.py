@@ -193,7 +193,7 @@ def _write(folder: Path, simulation: Simulation, episode: Episode, figures: bool
             logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
             from gaitsmith.view import recording_of, write_figures
 
-            write_figures(recording_of(episode.log, simulation.robot), staging)
+            write_figures(recording_of(episode.log, simulation.robot, simulation.tick_us), staging)
 
 
 def _portable(scenario: Scenario) -> Scenario:

@@ -24,6 +24,7 @@ from gaitsmith.control._qp_storage import (
     NOT_FINITE,
     OPTIMAL,
     PRIMAL_TOLERANCE,
+    SIGN_TOLERANCE,
     SLOPE,
     STEP,
     QuadraticProgram,
@@ -237,6 +238,6 @@ def accept_guess(qp: QuadraticProgram) -> bool:
             return False
         if i < n and (low[k] == high[k] or active[k] != 0):
             y[k] = full[k]
-        if low[k] < high[k] and active[k] * y[k] > DUAL_TOLERANCE * unit * metric[k]:
+        if low[k] < high[k] and active[k] * y[k] > SIGN_TOLERANCE * unit * metric[k]:
             return False
     return True

@@ -19,6 +19,7 @@ NOT_FINITE = 4
 # in a problem with a condition number of 1e10 stays below PRIMAL_TOLERANCE; DEPENDENT is the sine of an angle.
 PRIMAL_TOLERANCE = 1e-10
 DUAL_TOLERANCE = 1e-10
+SIGN_TOLERANCE = 1e-14  # a multiplier of the wrong sign moves x by far more where the cost is weak
 DEPENDENT = 1e-9
 INFEASIBLE_TOLERANCE = 1e-7
 

@@ -64,7 +64,7 @@ class Controller:
         self.robot = robot
         self.parameters = _preset(robot, preset)
         self.gait = robot.card.gait if gait is None else gait
-        self._check_gait(self.gait)
+        self._check_gait(self.gait.model_dump())
         n_joints = len(robot.joint_names)
         nv = 6 + n_joints
         tree = read_tree(robot.model)
@@ -114,6 +114,7 @@ class Controller:
         self.telemetry: Telemetry = self._groups.telemetry
         self._torque = self._groups.control.torque
         self._initial = [[array.copy() for array in group] for group in self._memory()]
+        self.reset()
 
     def reset(self) -> None:
         """Forget everything but the requested gait: at rest on both feet, counters at zero."""
@@ -150,8 +151,8 @@ class Controller:
         """
         given = {"speed": speed, "period": period, "alpha": alpha, "height": height, "lift": lift, "width": width}
         changes = {name: value for name, value in given.items() if value is not None}
+        self._check_gait(self.gait.model_dump() | changes)
         gait = GaitParameters(**(self.gait.model_dump() | changes))
-        self._check_gait(gait)
         self.gait = gait
         for now, value in zip(self._groups.requested, make_gait(gait), strict=True):
             now[...] = value
@@ -180,14 +181,18 @@ class Controller:
         tick(self._address)
         return self._torque
 
-    def _check_gait(self, gait: GaitParameters) -> None:
-        """Raise BadInput unless every parameter lies within the card's limits."""
+    def _check_gait(self, values: dict[str, Any]) -> None:
+        """Raise BadInput unless every parameter is a number within the card's limits."""
         limits = self.robot.card.gait_limits
-        values = gait.model_dump() | {"speed_x": gait.speed[0], "speed_y": gait.speed[1]}
+        speed = values["speed"]
+        if np.shape(speed) != (2,):
+            raise BadInput("speed", speed, "two numbers, forward and lateral, m/s")
+        parts = values | {"speed_x": speed[0], "speed_y": speed[1]}
         for name in type(limits).model_fields:
             low, high = getattr(limits, name)
-            if not low <= values[name] <= high:
-                raise BadInput(name, values[name], f"{low} to {high}")
+            value = parts[name]
+            if not isinstance(value, (int, float, np.number)) or not low <= value <= high:
+                raise BadInput(name, value, f"{low} to {high}")
 
 
 def _preset(robot: Robot, preset: str | ControlParameters) -> ControlParameters:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from gaitsmith.compiled import IntVector, Vector, kernel
 from gaitsmith.control.frames import Legs
-from gaitsmith.control.measurement import Measurement
+from gaitsmith.control.measurement import Measurement, is_usable
 from gaitsmith.control.sensor_filters import EstimatorGains as EstimatorGains
 from gaitsmith.control.sensor_filters import EstimatorState as EstimatorState
 from gaitsmith.control.sensor_filters import correct_axis, filter_attitude, filter_joints, predict_axis
@@ -19,21 +19,6 @@ from gaitsmith.dynamics.contact import sole_pose
 from gaitsmith.dynamics.kinematics import move, place
 from gaitsmith.dynamics.points import point_velocity
 from gaitsmith.dynamics.tree import Tree, TreeState
-
-
-@kernel
-def _is_usable(measurement: Measurement) -> bool:
-    """Whether all sensors that are read gave finite numbers and the attitude is a rotation."""
-    poison = norm = 0.0
-    for i in range(3):
-        poison += 0.0 * measurement.accelerometer[i] + 0.0 * measurement.gyro[i]
-    for i in range(4):
-        norm += measurement.base_quaternion[i] ** 2
-    for j in range(measurement.joint_position.shape[0]):
-        poison += 0.0 * measurement.joint_position[j]
-    for leg in range(measurement.sole_force.shape[0]):
-        poison += 0.0 * measurement.sole_force[leg]
-    return poison == 0.0 and norm > 0.25 and norm < 4.0
 
 
 @kernel
@@ -105,7 +90,7 @@ def estimate(
     Returns:
         False if a sensor gave no usable number; then nothing was changed.
     """
-    if not _is_usable(measurement):
+    if not is_usable(measurement, True):
         return False
     starting = state.started[0] == 0
     if starting:

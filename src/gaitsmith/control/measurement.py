@@ -6,7 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Vector
+from gaitsmith.compiled import Vector, kernel
+
+_FARTHEST = 1e5  # m from the origin
+_FASTEST = 1e3  # m/s and rad/s; joints count as turning at most ten times as fast
+_STRONGEST = 1e6  # m/s² and N
 
 
 class Measurement(NamedTuple):
@@ -40,3 +44,34 @@ def make_measurement(n_joints: int) -> Measurement:
     )
     measurement.base_quaternion[0] = 1.0
     return measurement
+
+
+@kernel
+def _within(values: Vector, bound: float) -> bool:
+    """Whether all values are numbers of at most ``bound`` in magnitude."""
+    good = True
+    for i in range(values.shape[0]):
+        good = good and abs(values[i]) <= bound
+    return good
+
+
+@kernel
+def is_usable(measurement: Measurement, estimated: bool) -> bool:
+    """Whether everything that the tick reads is a number that a robot can produce, and the attitude a rotation.
+
+    Args:
+        measurement: of this tick.
+        estimated: whether the state is estimated, so that the base and the joint velocities are not read.
+    """
+    norm = 0.0
+    for i in range(4):
+        norm += measurement.base_quaternion[i] ** 2
+    good = 0.25 < norm < 4.0
+    good = good and _within(measurement.joint_position, _FASTEST)
+    good = good and _within(measurement.sole_force, _STRONGEST)
+    if estimated:
+        good = good and _within(measurement.accelerometer, _STRONGEST)
+        return good and _within(measurement.gyro, _FASTEST)
+    good = good and _within(measurement.base_position, _FARTHEST)
+    good = good and _within(measurement.joint_velocity, 10.0 * _FASTEST)
+    return good and _within(measurement.base_velocity, _FASTEST)

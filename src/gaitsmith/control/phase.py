@@ -94,6 +94,7 @@ def advance_phase(
     switch_legs(step, requested, latched, foothold, landed, frames.relative[stance], frames.sole_pitch[stance])
     if step.walk_requested[0] == 0 and event != FORCED and _may_rest(step, frames, gains):
         step.mode[0] = STAND
+        step.count[0] -= 1
         control.standing_height[0] = -0.5 * (frames.relative[0, 0, 2] + frames.relative[1, 0, 2])
         return False
     return True

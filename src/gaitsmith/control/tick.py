@@ -8,7 +8,7 @@ from gaitsmith.control.estimation import EstimatorGains, EstimatorState, estimat
 from gaitsmith.control.frames import Frames, Legs, observe_frames
 from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics, leg_step
 from gaitsmith.control.joint_torque import JointFeedback, bounded_torque
-from gaitsmith.control.measurement import Measurement
+from gaitsmith.control.measurement import Measurement, is_usable
 from gaitsmith.control.motion_map import MotionMap
 from gaitsmith.control.phase import advance_phase
 from gaitsmith.control.quadratic_program import QuadraticProgram
@@ -37,24 +37,19 @@ _DECAY = 0.98  # per tick, of the torque that is held when no new one can be com
 
 @kernel
 def _take_state(measurement: Measurement, control: ControlState) -> bool:
-    """Copy the true state; False if anything in it is not finite."""
-    poison = 0.0
+    """Copy the true state; False, and nothing copied, if no robot can be in it."""
+    if not is_usable(measurement, False):
+        return False
     for i in range(3):
         control.q[i] = measurement.base_position[i]
-        poison += 0.0 * control.q[i]
     for i in range(4):
         control.q[3 + i] = measurement.base_quaternion[i]
-        poison += 0.0 * control.q[3 + i]
     for i in range(6):
         control.v[i] = measurement.base_velocity[i]
-        poison += 0.0 * control.v[i]
     for j in range(measurement.joint_position.shape[0]):
         control.q[7 + j] = measurement.joint_position[j]
         control.v[6 + j] = measurement.joint_velocity[j]
-        poison += 0.0 * control.q[7 + j] + 0.0 * control.v[6 + j]
-    for leg in range(2):
-        poison += 0.0 * measurement.sole_force[leg]
-    return poison == 0.0
+    return True
 
 
 @kernel
@@ -341,6 +336,7 @@ def tick(table: int) -> None:
         return
     update(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
+    at_rest = step.mode[0] == STAND
     switched = advance_phase(
         step, requested, latched, foothold, touchdown, gains, frames, tree_state.com, control, measurement
     )
@@ -349,7 +345,7 @@ def tick(table: int) -> None:
         swing = RIGHT if stance == LEFT else LEFT
         if switched:
             _restart_leg(table, swing)
-            if step.count[0] == 1:
+            if at_rest:
                 _restart_leg(table, stance)
         _run_template(table)
         _track_leg(table, LEFT)

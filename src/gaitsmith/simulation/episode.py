@@ -11,6 +11,7 @@ from time import perf_counter, perf_counter_ns
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from gaitsmith.control import Controller
 from gaitsmith.control.posture import standing_posture
@@ -150,6 +151,11 @@ class Simulation:
     def time(self) -> float:
         """Simulated time, s."""
         return self.tick * self.plant.control_step
+
+    @property
+    def tick_us(self) -> npt.NDArray[np.float64]:
+        """Wall time of every control tick so far, µs."""
+        return self._tick_ns[: self.tick] * 1e-3
 
     def step(self) -> bool:
         """One control tick; False once the run is over, by its duration or by a fall."""

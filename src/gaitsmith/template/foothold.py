@@ -120,7 +120,9 @@ def foothold_target(
 ) -> None:
     """Where the swing sole should land, relative to the hip midpoint in the heading frame (eqs. 13 and 15).
 
-    ``x = T v_d / 2 + k_v (v - v_d) - k_a a - I + station`` and the same laterally around ``±W``.
+    ``x = T v_d / 2 + k_v (v - v_d) - k_a a - I + station`` and the same laterally around ``±W``, where the preset's
+    shares blend the paper's terms with a linear pendulum's: k_v with ``coth(ωT) / ω``, T with how long steps really
+    last, the hip midpoint with the CoM. The separation from the stance sole comes last and is never undone.
 
     Args:
         step: the step being taken.
@@ -153,11 +155,10 @@ def foothold_target(
             station = gains.station_gain_x if axis == 0 else gains.station_gain_y
             out[axis] += _clip(station * drift[axis], gains.station_limit)
     out[0] = _clip(out[0], gains.reach)
-    y = out[1] + side * gait.width[0]
-    apart = side * (y - stance_y)
-    if apart < gains.separation:
+    y = _clip(out[1] + side * gait.width[0], gains.spread)
+    if side * (y - stance_y) < gains.separation:
         y = stance_y + side * gains.separation
-    out[1] = _clip(y, gains.spread)
+    out[1] = y
 
 
 @kernel

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from gaitsmith.view.canvas import save as save
 from gaitsmith.view.footprints import draw_footprints as draw_footprints
 from gaitsmith.view.from_log import recording_of as recording_of
+from gaitsmith.view.push_map import draw_push_map as draw_push_map
 from gaitsmith.view.recording import LegTrace as LegTrace
 from gaitsmith.view.recording import Recording as Recording
 from gaitsmith.view.timing import draw_timing as draw_timing

@@ -1,0 +1,85 @@
+"""The docs against the code: links, modules, functions, tests and card entries that they name exist, and none lacks."""
+
+import re
+from pathlib import Path
+from types import UnionType
+from typing import Any, get_args
+
+import pytest
+from pydantic import BaseModel
+
+from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
+from gaitsmith.robots.parameters import ControlParameters, GaitParameters
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "src" / "gaitsmith"
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+
+
+def page(name: str) -> str:
+    return (ROOT / "docs" / name).read_text()
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_links_lead_somewhere(path: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)", path.read_text()):
+        assert "://" in target or (path.parent / target).exists(), target
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_scripts_and_tests_that_are_named_exist(path: Path) -> None:
+    for name in re.findall(r"\b((?:benchmarks|examples|tests)/[\w/]+\.py)", path.read_text()):
+        assert (ROOT / name).is_file(), name
+
+
+def test_every_equation_is_mapped_to_a_function() -> None:
+    text = page("equations.md")
+    mapped = set()
+    for numbers, module, functions in re.findall(r"^\| ([\d–]+) \|[^|]*\| `([\w/]+\.py)`: ([^|;]+)", text, re.M):
+        first, _, last = numbers.partition("–")
+        mapped |= set(range(int(first), int(last or first) + 1))
+        source = (SOURCE / module).read_text()
+        for function in re.findall(r"`(\w+)`", functions):
+            assert f"def {function}(" in source, f"{module}: {function}"
+    assert mapped | {29, 31, 32} >= set(range(1, 33))
+
+
+def test_every_test_of_an_equation_exists() -> None:
+    named = re.findall(r"`([\w/]*test_\w+\.py)?(?:::(test_\w+))?`", page("equations.md"))
+    source = ""
+    for file, function in named:
+        if file:
+            source = (ROOT / "tests" / file.removeprefix("tests/")).read_text()
+        assert not function or f"def {function}(" in source, f"{file}: {function}"
+
+
+def test_every_module_is_in_the_design() -> None:
+    text = page("design.md")
+    for folder in sorted(path for path in SOURCE.iterdir() if (path / "__init__.py").exists()):
+        for module in folder.glob("[a-z]*.py"):
+            assert f"`{module.stem}`" in text or f"{folder.name}/{module.name}" in text, module
+
+
+def entries(model: type[BaseModel], prefix: str = "") -> list[str]:
+    """Names of a model's fields, those of groups dotted."""
+    found = []
+    for name, field in model.model_fields.items():
+        kinds: tuple[Any, ...] = get_args(field.annotation) if isinstance(field.annotation, UnionType) else ()
+        group = next((k for k in (field.annotation, *kinds) if isinstance(k, type) and issubclass(k, BaseModel)), None)
+        found += entries(group, f"{prefix}{name}.") if group else [f"{prefix}{name}"]
+    return found
+
+
+@pytest.mark.parametrize("model", [RobotCard, LegCard, Sole, JointLimits, GaitParameters, Assumption])
+def test_every_card_entry_is_explained(model: type[BaseModel]) -> None:
+    text = page("cards.md")
+    for name in model.model_fields:
+        assert re.search(rf"[`\[.]{name}[`\].]", text), name
+
+
+def test_every_preset_number_is_explained() -> None:
+    text = page("cards.md")
+    for name in entries(ControlParameters):
+        group, _, number = name.partition(".")
+        whole = group == "foothold" and f"| `{number}` |" in text
+        assert whole or f"`{name}`" in text or f"`{group}.*`" in text, name
