@@ -86,9 +86,8 @@ def main(limit: float) -> None:
     z, o = program.evaluate(x)
     violation = program.violation(program.constraint(x, o)).max()
     spent = time.process_time() - begin
-    print(
-        f"SLSQP: {ending}, {count} evaluations, {spent:.1f} s CPU, J = {program.objective(z, o):.2f}, worst {violation:.1e}"
-    )
+    print(f"SLSQP: {ending}, {count} evaluations, {spent:.1f} s CPU")
+    print(f"       J = {program.objective(z, o):.2f}, worst violation {violation:.1e} of a range")
 
 
 if __name__ == "__main__":
