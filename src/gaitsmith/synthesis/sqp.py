@@ -22,6 +22,7 @@ _RANK = 1e-9  # relative; equality rows that depend on others
 _GAIN = 1e-4  # relative decrease of the objective that is not worth another step
 _ROWS = 1e-3  # violation from which the last rows are settled without the objective
 _SETTLED = 1e-7
+_SETTLING = 12  # steps of that
 _PROXIMAL = 1e-2  # curvature added per unknown: directions that cost nothing are not worth a long step
 _STEP = 1.0  # largest change of an unknown in one step
 
@@ -93,23 +94,25 @@ def _settled(program: Program, first_order: Caller, x: Array, lam: Array) -> tup
     """Smallest changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
     equal = program.high - program.low <= 0.0
     active = np.flatnonzero(equal | (np.abs(lam) > 1e-9))
-    left = np.inf
-    for _ in range(5):
+    left, factors = np.inf, None
+    for _ in range(_SETTLING):
         _, rows, _ = first_order(x)
         goal = np.clip(rows, program.low, program.high)
-        push = np.flatnonzero(lam[active] > 0.0)
-        goal[active[push]] = np.where(equal[active[push]], goal[active[push]], program.high[active[push]])
-        pull = np.flatnonzero(lam[active] < 0.0)
-        goal[active[pull]] = np.where(equal[active[pull]], goal[active[pull]], program.low[active[pull]])
+        push = np.flatnonzero(~equal & (lam > 1e-9))
+        pull = np.flatnonzero(~equal & (lam < -1e-9))
+        goal[push], goal[pull] = program.high[push], program.low[pull]
         gap = (goal - rows)[active]
         left = float(np.abs(gap).max(initial=0.0))
         if left < 0.01 * _SETTLED:
             break
-        A = first_order.matrix(2).tocsr()[active].toarray()
-        Q, R, order = sl.qr(A.T, mode="economic", pivoting=True)
-        diagonal = np.abs(np.diag(R))
-        rank = int(np.sum(diagonal > _RANK * diagonal[0]))
-        x = x + Q[:, :rank] @ sl.solve_triangular(R[:rank, :rank], gap[order[:rank]], trans="T")
+        if factors is None:  # the rows are nearly straight on this scale: one factorisation serves all steps
+            A = first_order.matrix(2).tocsr()[active].toarray()
+            Q, R, order = sl.qr(A.T, mode="economic", pivoting=True)
+            diagonal = np.abs(np.diag(R))
+            rank = int(np.sum(diagonal > _RANK * diagonal[0]))
+            factors = (Q[:, :rank], R[:rank, :rank], order[:rank])
+        Q, R, order = factors
+        x = x + Q @ sl.solve_triangular(R, gap[order], trans="T")
     return x, left
 
 
