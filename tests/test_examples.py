@@ -16,6 +16,8 @@ SHORT: dict[str, dict[str, Any]] = {
     "04_own_loop": {"duration": 2.0},
     "05_own_robot": {"duration": 3.0},
     "06_own_gains": {"duration": 2.5},
+    "07_plan": {"steps": 4},
+    "08_own_motion": {},
 }
 
 

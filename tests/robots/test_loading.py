@@ -160,7 +160,7 @@ def test_other_robots_load_the_same_way() -> None:
 
 
 def test_names_and_paths(tmp_path: Path) -> None:
-    assert robot_names() == ("bhr_b2",)
+    assert robot_names() == ("bhr_b2", "thbip_ii")
     shutil.copytree(BHR, tmp_path / "copy")
     robot = load_robot(tmp_path / "copy")
     assert robot.content_hash == load_robot("bhr_b2").content_hash

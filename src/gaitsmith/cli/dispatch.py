@@ -48,6 +48,10 @@ class Command:
 
 COMMANDS: dict[tuple[str, ...], Command] = {
     ("walk",): Command("gaitsmith.cli.walk", "walk", "walk a robot through a scenario in closed loop with physics"),
+    ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
+    ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
+    ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),
+    ("play",): Command("gaitsmith.cli.play", "play", "replay a gait file in closed loop with physics"),
     ("robots", "list"): Command("gaitsmith.cli.robots", "list_robots", "the robots that come with the package"),
     ("robots", "show"): Command("gaitsmith.cli.robots", "show", "a robot's joints, legs, limits and assumptions"),
     ("robots", "check"): Command("gaitsmith.cli.robots", "check", "check a card and the model it names"),
@@ -132,7 +136,7 @@ def _help(group: str | None) -> str:
     rows = "".join(f"  {' '.join(path):<16}{COMMANDS[path].summary}\n" for path in _members(group))
     head = f"usage: gaitsmith {group or 'COMMAND'}{' COMMAND' if group else ''} [OPTIONS]\n\n"
     tail = "\nEvery command has --help and --json. gaitsmith --version prints the version.\n"
-    codes = "Exit codes: 0 done, 1 the robot fell, 2 bad input, 130 interrupted.\n"
+    codes = "Exit codes: 0 done, 1 the robot fell or verify failed, 2 bad input, 3 not solved, 130 interrupted.\n"
     return head + rows + tail + codes
 
 

@@ -1,0 +1,86 @@
+"""What ``gaitsmith plan`` and ``gaitsmith verify`` print for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+
+_ROWS = 12
+
+
+def print_plan(document: dict[str, Any], robot: Robot) -> None:
+    """The result of a plan as tables."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from gaitsmith.cli.printing import Printer
+
+    console = Printer()
+    times = document["time_s"]
+    head = f"{document['motion']} for {robot.card.name}: {document['status']}"
+    console.print(head + (f", {document['reason']}" if document["reason"] else ""))
+    console.print(
+        f"objective {document['objective']:.4g}, {document['iterations']} iterations, "
+        f"{document['refinements']} refinements, {document['variables']} unknowns, {document['constraints']} rows; "
+        f"setup {times['setup']:.2f} s, compile {times['compile']:.2f} s, solve {times['solve']:.2f} s, "
+        f"check {times['check']:.2f} s"
+    )
+    if document["max_torque"] is not None:
+        console.print(f"smallest ZMP margin in single support {document['zmp_margin_mm']:.1f} mm")
+        table = Table(box=SIMPLE_HEAD)
+        for heading in ("joint", "peak torque\nN·m", "limit\nN·m"):
+            table.add_column(heading, justify="left" if heading == "joint" else "right")
+        for (name, value), limit in zip(document["max_torque"].items(), robot.torque_limit, strict=True):
+            table.add_row(name, f"{value:.2f}", f"{limit:g}")
+        console.print(table)
+    print_worst(console, document["worst"])
+    if document["file"]:
+        console.print(f"written: {document['file']}", soft_wrap=True)
+    for path in document.get("figures", []):
+        console.print(f"written: {path}", soft_wrap=True)
+
+
+def print_worst(console: Any, worst: list[dict[str, Any]]) -> None:
+    """The constraints closest to their limits."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, title="closest to their limits", title_justify="left")
+    for heading in ("constraint", "worst", "limit", "unit", "time\ns", "phase", "beyond\n% of range"):
+        table.add_column(heading, justify="left" if heading in ("constraint", "unit", "phase") else "right")
+    for item in worst[:_ROWS]:
+        beyond = 100.0 * item["violation"]
+        table.add_row(
+            item["constraint"],
+            f"{item['value']:.4g}",
+            f"{item['limit']:.4g}",
+            item["unit"],
+            f"{item['time']:.3f}",
+            item["phase"],
+            f"{beyond:+.3f}",
+        )
+    console.print(table)
+
+
+def print_verdict(document: dict[str, Any]) -> None:
+    """What ``gaitsmith verify`` found."""
+    from gaitsmith.cli.printing import Printer
+
+    console = Printer()
+    console.print("ok: file and physics agree" if document["ok"] else "not ok")
+    for problem in document["problems"]:
+        console.print(f"  {problem}")
+    closure, seam = document["closure"], document["seam"]
+    console.print(
+        f"closure {closure['position_mm']:.2g} mm, {closure['velocity']:.2g} m/s, {closure['acceleration']:.2g} m/s²; "
+        f"torque jump {document['torque_jump']:.2g} N·m; residual {document['dynamics_residual']:.2g} of the weight"
+    )
+    clearance = document["clearance_mm"]
+    console.print(
+        f"penetration {document['penetration_mm']:.3g} mm; clearance at mid-swing "
+        f"{'-' if clearance is None else format(clearance, '.3g')} mm; ZMP margin {document['zmp_margin_mm']:.1f} mm; "
+        f"base jumps {seam['position_m']:.1g} m where the support changes"
+    )
+    print_worst(console, document["worst"])

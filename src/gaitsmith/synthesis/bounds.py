@@ -1,0 +1,194 @@
+"""Physical constraints (7)-(11) and stability (12)-(14) of a phase, as bounds on linear forms of a point's numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.biped import Biped
+from gaitsmith.synthesis.layout import Layout
+from gaitsmith.synthesis.motion import Limit, Motion, Phase
+from gaitsmith.synthesis.settings import Bounds
+
+Array = npt.NDArray[np.float64]
+Form = dict[int, float]
+_FACETS = 8  # of the pyramid inside the friction cone
+_LEVEL = 0.6  # largest sine of a turning foot's pitch
+
+
+@dataclass(frozen=True)
+class Bound:
+    """low <= out·o + inp·z + constant - rise * profile(s) <= high, in ``unit``.
+
+    ``span`` is the range that violations are relative to; s runs from 0 to 1 over the phase. An ``interior`` bound
+    does not hold at the phase's ends.
+    """
+
+    name: str
+    unit: str
+    out: Form
+    inp: Form
+    low: float
+    high: float
+    span: float
+    constant: float = 0.0
+    interior: bool = False
+    rise: float = 0.0
+    lifts: bool = False
+    lands: bool = False
+
+    def offset(self, s: Array) -> Array | float:
+        """What is added to the linear form at normalised times (N,): the constant less the risen profile."""
+        if not self.rise:
+            return self.constant
+        s = np.asarray(s, dtype=np.float64)
+        up = _smooth(2.0 * s if self.lands else s) if self.lifts else np.ones_like(s)
+        down = _smooth(2.0 * (1.0 - s) if self.lifts else 1.0 - s) if self.lands else np.ones_like(s)
+        return np.asarray(self.constant - self.rise * np.minimum(up, down))
+
+
+def _smooth(s: Array) -> Array:
+    """From 0 to 1 with two derivatives zero at both ends, as a foot leaves the ground."""
+    s = np.clip(s, 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 + s * (6.0 * s - 15.0)))
+
+
+def pivot_of(biped: Biped, phase: Phase) -> Array:
+    """(3,) point of the other sole, in its frame, about which u is taken and which closure holds in place."""
+    sole = biped.leg("left").sole
+    return np.array([{"heel": -sole.heel, "toe": sole.toe}.get(phase.contact, 0.0), 0.0, 0.0])
+
+
+def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, float]:
+    """Linear form in the outputs, and the constant, that give a quantity in world coordinates."""
+    layout, sole = Layout(biped.joints), biped.leg("left").sole
+    x0, y0 = phase.foothold
+    pivot = pivot_of(biped, phase)[0]
+    side = phase.side
+    axis = {"x": 0, "y": 1, "z": 2}.get(quantity[-1], 0)
+    origin, sign = ((x0, 1.0), (y0, side), (0.0, 1.0))[axis]
+    kind, _, what = quantity.partition("_")
+    if kind == "ankle" and what.startswith("v"):
+        return {layout.ankle_velocity + axis: sign}, 0.0
+    if kind == "ankle":
+        return {layout.ankle + axis: sign}, origin
+    if kind in ("sole", "toe", "heel"):
+        reach = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[kind] - pivot
+        along = (layout.foot_forward, layout.foot_yaw, layout.foot_pitch)[axis]
+        turn = -1.0 if axis == 2 else sign
+        return ({layout.pivot + axis: sign} | ({along: turn * reach} if reach else {})), origin
+    name = quantity
+    flips = -1.0 if name.endswith(("roll", "yaw")) and side < 0 else 1.0
+    return {getattr(layout, name): flips}, 0.0
+
+
+def _box(name: str, unit: str, form: Form, limit: Limit, constant: float, span: float) -> Bound:
+    return Bound(name, unit, form, {}, limit.low, limit.high, span, constant)
+
+
+def _cone(
+    what: str, inputs: bool, first: int, scale: float, bounds: Bounds, reach: tuple[float, float, float]
+) -> list[Bound]:
+    """Unilateral, friction, CoP and yaw-moment bounds of a wrench whose six numbers start at ``first``.
+
+    ``reach``: how far the CoP may go back, forward, and to a side, m; forces relative to ``scale``.
+    """
+
+    def bound(name: str, unit: str, form: Form, low: float, high: float, span: float) -> Bound:
+        scaled = {index: value / scale for index, value in form.items()}
+        return Bound(f"{what} {name}", unit, {} if inputs else scaled, scaled if inputs else {}, low, high, span)
+
+    fx, fy, fz, mx, my, mz = range(first, first + 6)
+    back, ahead, aside = reach
+    found = []
+    inner = bounds.friction * np.cos(np.pi / _FACETS)
+    for k in range(_FACETS):
+        angle = 2.0 * np.pi * (k + 0.5) / _FACETS
+        form = {fx: float(np.cos(angle)), fy: float(np.sin(angle)), fz: -inner}
+        found.append(bound("friction", "weights", form, -np.inf, 0.0, 1.0))
+    if ahead + back > 0.0:
+        found.append(bound("ZMP forward", "m", {my: -1.0, fz: -ahead}, -np.inf, 0.0, ahead + back))
+        found.append(bound("ZMP backward", "m", {my: 1.0, fz: -back}, -np.inf, 0.0, ahead + back))
+    found.append(bound("ZMP left", "m", {mx: 1.0, fz: -aside}, -np.inf, 0.0, 2.0 * aside))
+    found.append(bound("ZMP right", "m", {mx: -1.0, fz: -aside}, -np.inf, 0.0, 2.0 * aside))
+    found.append(bound("yaw moment", "m", {mz: 1.0, fz: -bounds.yaw_friction}, -np.inf, 0.0, 2 * bounds.yaw_friction))
+    found.append(bound("yaw moment", "m", {mz: -1.0, fz: -bounds.yaw_friction}, -np.inf, 0.0, 2 * bounds.yaw_friction))
+    return found
+
+
+def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
+    layout, robot = Layout(biped.joints), biped.robot
+    found = []
+    for local in range(biped.joints):
+        mirrored = phase.side < 0
+        joint = int(biped.partner[local]) if mirrored else local
+        sign = float(biped.sign[joint]) if mirrored else 1.0
+        name = robot.joint_names[joint]
+        torque, speed = (
+            float(robot.torque_limit[joint]) * bounds.torque,
+            float(robot.velocity_limit[joint]) * bounds.velocity,
+        )
+        low, high = float(robot.position_low[joint]), float(robot.position_high[joint])
+        found.append(Bound(f"{name} torque", "N·m", {layout.torque + local: sign}, {}, -torque, torque, 2 * torque))
+        found.append(Bound(f"{name} angle", "rad", {}, {layout.position + local: sign}, low, high, high - low))
+        found.append(Bound(f"{name} velocity", "rad/s", {}, {layout.velocity + local: sign}, -speed, speed, 2 * speed))
+    return found
+
+
+def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[Bound]:
+    layout, sole = Layout(biped.joints), biped.leg("left").sole
+    length = sole.heel + sole.toe
+    if phase.contact == "flat":
+        return []
+    if phase.contact in ("heel", "toe"):
+        low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
+        return [Bound("foot pitch", "rad", {layout.foot_pitch: 1.0}, {}, low, high, 1.0, interior=True)]
+    found = []
+    for x in (-sole.heel, sole.toe):
+        for y in (-sole.half_width, sole.half_width):
+            form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: y}
+            rise = bounds.clearance
+            found.append(Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands))
+    tilt = float(np.sin(bounds.foot_tilt))
+    pitch = float(np.sin(bounds.foot_pitch))
+    found.append(Bound("swing foot pitch", "rad", {layout.foot_pitch: 1.0}, {}, -pitch, pitch, 2 * pitch))
+    found.append(Bound("swing foot roll", "rad", {layout.foot_roll: 1.0}, {}, -tilt, tilt, 2 * tilt))
+    found.append(Bound("swing foot yaw", "rad", {layout.foot_yaw: 1.0}, {}, -tilt, tilt, 2 * tilt))
+    gap = 2.0 * sole.half_width + bounds.foot_gap
+    found.append(Bound("foot separation", "m", {layout.pivot + 1: 1.0}, {}, gap, np.inf, biped.width))
+    return found
+
+
+def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:
+    """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
+    phase = motion.phases[index]
+    layout, sole = Layout(biped.joints), biped.leg("left").sole
+    margin = bounds.zmp_margin
+    ends = 0.0 if phase.double else margin
+    reach = (sole.heel - ends, sole.toe - ends, sole.half_width - margin)
+    found = _joint_bounds(biped, bounds, phase)
+    found += _cone(f"{phase.support} foot", False, layout.force, biped.weight, bounds, reach)
+    least = 0.0 if phase.double else bounds.normal_force
+    scaled = {layout.force + 2: 1.0 / biped.weight}
+    found.append(Bound(f"{phase.support} foot normal force", "weights", scaled, {}, least, np.inf, 1.0))
+    if phase.double:
+        edge = phase.contact != "flat"
+        reach = (0.0 if edge else sole.heel, 0.0 if edge else sole.toe, sole.half_width - margin)
+        other = "left" if phase.support == "right" else "right"
+        found += _cone(f"{other} foot", True, layout.wrench, biped.weight, bounds, reach)
+        scaled = {layout.wrench + 2: 1.0 / biped.weight}
+        found.append(Bound(f"{other} foot normal force", "weights", {}, scaled, 0.0, np.inf, 1.0))
+    found.append(
+        Bound("squat", "m", {layout.hip_height: 1.0}, {}, 0.3 * biped.height, biped.height - bounds.squat, biped.height)
+    )
+    for name in ("pitch", "roll", "yaw"):
+        tilt = float(np.sin(getattr(bounds, f"torso_{name}")))
+        form = {int(getattr(layout, f"torso_{name}")): 1.0}
+        found.append(Bound(f"torso {name}", "rad", form, {}, -tilt, tilt, 2 * tilt))
+    found += _foot_bounds(biped, bounds, phase, motion.lifts(index), motion.lands(index))
+    for limit in phase.limits:
+        form, constant = quantity_form(biped, phase, limit.quantity)
+        found.append(_box(limit.quantity, "", form, limit, constant, biped.height))
+    return found

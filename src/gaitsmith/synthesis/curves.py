@@ -1,0 +1,102 @@
+"""The joint splines of eqs. (17) and (18) as linear maps, and the cubic Bernstein curves of the contact wrench."""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+def bernstein(degree: int, s: float, derivative: int = 0) -> Array:
+    """Bernstein polynomials (degree + 1) or their derivatives with respect to ``s`` in [0, 1]."""
+    if derivative > degree:
+        return np.zeros(degree + 1)
+    if derivative:
+        lower = bernstein(degree - 1, s, derivative - 1)
+        return np.asarray(degree * (np.append(0.0, lower) - np.append(lower, 0.0)))
+    return np.array([comb(degree, k) * s**k * (1.0 - s) ** (degree - k) for k in range(degree + 1)])
+
+
+def power_basis(degree: int) -> Array:
+    """Matrix from Bernstein coefficients to those of 1, s, s² ... as eq. (17) writes the polynomial."""
+    matrix = np.zeros((degree + 1, degree + 1))
+    for k in range(degree + 1):
+        for j in range(k, degree + 1):
+            matrix[j, k] = comb(degree, k) * comb(degree - k, j - k) * (-1.0) ** (j - k)
+    return matrix
+
+
+class JointSpline:
+    """Polynomials of one degree over consecutive sections, joined with continuous position, velocity, acceleration.
+
+    The free numbers are B-spline control points; ``sections[k]`` maps those that matter to the section's Bernstein
+    coefficients.
+
+    Args:
+        knots: (N + 1,) section borders, s, increasing.
+        degree: 4 as in the paper, or 5.
+    """
+
+    def __init__(self, knots: Array, degree: int) -> None:
+        self.knots = np.asarray(knots, dtype=np.float64)
+        self.degree = degree
+        self.new = degree - 2  # control points that a section adds at C²
+        count = len(self.knots) - 1
+        self.size = degree + 1 + self.new * (count - 1)
+        self.sections = _bezier_maps(self.knots, degree)
+
+    def first(self, section: int) -> int:
+        """Index of the first control point that a section depends on."""
+        return section * self.new
+
+    def row(self, section: int, t: float, derivative: int = 0) -> Array:
+        """Weights (degree + 1) of the control points from ``first(section)`` on, for a value or a derivative."""
+        span = self.knots[section + 1] - self.knots[section]
+        s = (t - self.knots[section]) / span
+        row = bernstein(self.degree, s, derivative) @ self.sections[section] / span**derivative
+        return np.asarray(row)
+
+    def section_at(self, t: float) -> int:
+        """Section that holds ``t``; the later one at a knot."""
+        return int(np.clip(np.searchsorted(self.knots, t, side="right") - 1, 0, len(self.knots) - 2))
+
+
+def _bezier_maps(knots: Array, degree: int) -> list[Array]:
+    """Per section, the matrix (degree + 1, degree + 1) from B-spline control points to Bernstein coefficients.
+
+    Blossoming: a Bernstein coefficient is the spline's blossom at the section's two ends, each repeated.
+    """
+    multiplicity = degree - 2
+    padded = np.concatenate(
+        [[knots[0]] * (degree + 1), np.repeat(knots[1:-1], multiplicity), [knots[-1]] * (degree + 1)]
+    )
+    maps = []
+    for section in range(len(knots) - 1):
+        start = degree + section * multiplicity
+        a, b = knots[section], knots[section + 1]
+        matrix = np.zeros((degree + 1, degree + 1))
+        for k in range(degree + 1):
+            arguments = [a] * (degree - k) + [b] * k
+            table = np.eye(degree + 1)
+            for level in range(1, degree + 1):
+                x = arguments[level - 1]
+                for j in range(degree, level - 1, -1):
+                    left, right = padded[start - degree + j], padded[start + 1 + j - level]
+                    w = (x - left) / (right - left)
+                    table[j] = (1.0 - w) * table[j - 1] + w * table[j]
+            matrix[k] = table[degree]
+        maps.append(matrix)
+    return maps
+
+
+def lobatto(count: int) -> tuple[Array, Array]:
+    """Gauss-Lobatto nodes in [0, 1] and weights that sum to 1."""
+    if count < 2:
+        raise ValueError(f"{count} Lobatto nodes: at least 2")
+    legendre = np.polynomial.legendre.Legendre.basis(count - 1)
+    nodes = np.concatenate([[-1.0], np.sort(legendre.deriv().roots().real), [1.0]])
+    weights = 2.0 / (count * (count - 1) * legendre(nodes) ** 2)
+    return (nodes + 1.0) / 2.0, weights / 2.0

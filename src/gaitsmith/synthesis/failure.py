@@ -1,0 +1,44 @@
+"""Why a motion could not be planned, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gaitsmith.synthesis.ipopt import Solution
+from gaitsmith.synthesis.program import Program
+from gaitsmith.synthesis.rows import Label
+from gaitsmith.synthesis.transcription import Transcription
+
+
+def place(trans: Transcription, phase: int, time: float) -> str:
+    """Where in the motion an instant lies: "62 % of single support"."""
+    phases, borders = trans.motion.phases, trans.motion.borders
+    first = last = phase
+    while first > 0 and phases[first - 1].double == phases[phase].double:
+        first -= 1
+    while last + 1 < len(phases) and phases[last + 1].double == phases[phase].double:
+        last += 1
+    share = 100.0 * (time - borders[first]) / (borders[last + 1] - borders[first])
+    stretch = "double support" if phases[phase].double else "single support"
+    return f"{share:.0f} % of {stretch}"
+
+
+def explain(trans: Transcription, program: Program, found: Solution, late: bool) -> str:
+    """The constraint that could not be met, its value and limit, and where."""
+    z, o = program.evaluate(found.x)
+    if not (np.isfinite(z).all() and np.isfinite(o).all()):
+        return "the solver left the range of finite numbers; the request is far from anything this robot can do"
+    values = program.constraint(found.x, o)
+    gaps = program.violation(values)
+    ending = "no solution within the time limit" if late else "no solution"
+    if gaps.max(initial=0.0) < 1e-6:
+        return f"{ending}: every constraint holds, but the objective is not at its least ({found.status})"
+    unequal = program.high - program.low > 0.0
+    # A bound says more than the closure that it makes impossible.
+    bound_gaps = np.where(unequal, gaps, 0.0)
+    row = int(np.argmax(bound_gaps)) if bound_gaps.max(initial=0.0) > 1e-4 else int(np.argmax(gaps))
+    label: Label = program.labels[row]
+    value = float(values[row]) * label.span
+    limit = float(program.low[row] if values[row] < program.low[row] else program.high[row]) * label.span
+    unit = f" {label.unit}" if label.unit else ""
+    return f"{ending}: {label.name} {value:.3g} of {limit:.3g}{unit} at {place(trans, label.phase, label.time)}"

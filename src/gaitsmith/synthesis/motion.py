@@ -1,0 +1,167 @@
+"""A motion as data: phases in a row, and conditions at the instants between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Side = Literal["left", "right"]
+Contact = Literal["air", "flat", "heel", "toe"]
+Array = npt.NDArray[np.float64]
+
+QUANTITIES = (
+    "ankle_x",
+    "ankle_y",
+    "ankle_z",
+    "ankle_vx",
+    "ankle_vy",
+    "ankle_vz",
+    "sole_x",
+    "sole_y",
+    "sole_z",
+    "toe_x",
+    "toe_z",
+    "heel_x",
+    "heel_z",
+    "foot_pitch",
+    "foot_roll",
+    "foot_yaw",
+    "hip_height",
+    "torso_pitch",
+    "torso_roll",
+    "torso_yaw",
+)
+
+
+def opposite(side: Side) -> Side:
+    """The other side."""
+    return "left" if side == "right" else "right"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Bounds on a quantity of the other foot or the torso during a phase; m, m/s or the sine of an angle.
+
+    Positions are world coordinates. ``quantity`` is one of :data:`QUANTITIES`.
+    """
+
+    quantity: str
+    low: float = -np.inf
+    high: float = np.inf
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch of time with one set of contacts.
+
+    Attributes:
+        name: what reports call it.
+        duration: s.
+        support: the foot that stands flat and still.
+        contact: of the other foot: in the air, flat, or turning about its heel's or its toe's edge.
+        foothold: (x, y) of the support sole, world, m.
+        other: (x, y) of the other sole when it lies flat there; None in the air.
+        sections: spline sections.
+        limits: bounds besides those that hold in every phase.
+    """
+
+    name: str
+    duration: float
+    support: Side
+    contact: Contact
+    foothold: tuple[float, float]
+    other: tuple[float, float] | None = None
+    sections: int = 1
+    limits: tuple[Limit, ...] = ()
+
+    @property
+    def double(self) -> bool:
+        """Whether both feet carry load."""
+        return self.contact != "air"
+
+    @property
+    def side(self) -> float:
+        """+1 with the right foot as support, -1 in the mirror image."""
+        return 1.0 if self.support == "right" else -1.0
+
+
+@dataclass(frozen=True)
+class At:
+    """A quantity's value at an instant: border ``border`` (0: the start) seen from the phase that ends there."""
+
+    border: int
+    quantity: str
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Joint angles, velocities and accelerations at a border; None leaves one free."""
+
+    border: int
+    position: Array | None = None
+    velocity: Array | None = None
+    acceleration: Array | None = None
+
+
+@dataclass(frozen=True)
+class Same:
+    """The joint angles at two borders are equal."""
+
+    border: int
+    other: int
+
+
+Condition = At | State | Same
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Phases and conditions.
+
+    Attributes:
+        name: cyclic, start, stop, walk, kick, or the user's.
+        phases: in order of time.
+        conditions: at the borders between phases.
+        cyclic: the end is the mirror image of the start, one step further.
+        parameters: what the motion was made from, for the record.
+    """
+
+    name: str
+    phases: tuple[Phase, ...]
+    conditions: tuple[Condition, ...] = ()
+    cyclic: bool = False
+    parameters: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def borders(self) -> Array:
+        """(len(phases) + 1,) times of the borders, s."""
+        return np.concatenate([[0.0], np.cumsum([phase.duration for phase in self.phases])])
+
+    def lifts(self, phase: int) -> bool:
+        """Whether the other foot leaves the ground at the start of a phase."""
+        return not self.phases[phase].double and (phase == 0 or self.phases[phase - 1].double)
+
+    def lands(self, phase: int) -> bool:
+        """Whether the other foot meets the ground at the end of a phase."""
+        last = phase == len(self.phases) - 1
+        return not self.phases[phase].double and (last or self.phases[phase + 1].double)
+
+    def meets(self, phase: int) -> bool:
+        """Whether the other foot's wrench is zero at the start of a phase of double support."""
+        if not self.phases[phase].double:
+            return False
+        if phase == 0 and not self.cyclic:
+            return self.phases[0].contact == "heel"
+        return not self.phases[phase - 1].double
+
+    def leaves(self, phase: int) -> bool:
+        """Whether the other foot's wrench is zero at the end of a phase of double support."""
+        if not self.phases[phase].double:
+            return False
+        if phase == len(self.phases) - 1 and not self.cyclic:
+            return self.phases[phase].contact == "toe"
+        return not self.phases[(phase + 1) % len(self.phases)].double

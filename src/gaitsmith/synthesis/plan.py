@@ -1,0 +1,273 @@
+"""Planning: solve on few points, look at every bound between them, add points where one is violated, solve again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis.biped import Biped, biped_from
+from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
+from gaitsmith.synthesis.closure import finished_pieces, phase_pieces
+from gaitsmith.synthesis.dense import DenseCheck, check, new_picks, with_times, worst_violation
+from gaitsmith.synthesis.failure import explain
+from gaitsmith.synthesis.gait import Gait
+from gaitsmith.synthesis.guess import default_start
+from gaitsmith.synthesis.ipopt import Progress, Solution, solve_ipopt
+from gaitsmith.synthesis.motion import Motion
+from gaitsmith.synthesis.point import PointFunctions, point_functions
+from gaitsmith.synthesis.program import Pick, Program, all_picks, make_program
+from gaitsmith.synthesis.settings import Settings
+from gaitsmith.synthesis.sqp import solve_sqp
+from gaitsmith.synthesis.transcription import Transcription
+
+Array = npt.NDArray[np.float64]
+_ENOUGH = 0.8 * ALLOWED
+_AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
+_SELDOM = ("torque",)  # imposed only where the dense grid asks for it
+_COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
+_WARM_ITERATIONS = 12
+_WARM = {
+    "warm_start_init_point": "yes",
+    "mu_strategy": "monotone",
+    "mu_init": 1e-4,
+    "warm_start_bound_push": 1e-6,
+    "warm_start_bound_frac": 1e-6,
+    "warm_start_slack_bound_push": 1e-6,
+    "warm_start_slack_bound_frac": 1e-6,
+    "warm_start_mult_bound_push": 1e-6,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class PlanResult:
+    """How planning ended.
+
+    Attributes:
+        status: ``solved``, ``not solved`` or ``not certified``.
+        reason: why not, in words; empty when solved.
+        gait: the gait with its certificate; None unless solved.
+        objective: J of eq. (16).
+        iterations: of all solves together.
+        rounds: how often points were added.
+        times: s: setup, compile, solve, check.
+        variables: unknowns.
+        constraints: rows of the last program.
+        worst: every constraint's worst value, the worst first.
+        x, picks, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
+            neighbour starts warm.
+    """
+
+    status: str
+    reason: str
+    gait: Gait | None
+    objective: float
+    iterations: int
+    rounds: int
+    times: dict[str, float]
+    variables: int
+    constraints: int
+    worst: list[Worst]
+    x: Array
+    picks: list[Pick] = field(default_factory=list)
+    borders: Array = field(default_factory=lambda: np.zeros(0))
+    solution: Solution | None = None
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is a certified gait."""
+        return self.status == "solved"
+
+
+@dataclass(frozen=True, eq=False)
+class _Tally:
+    """What is known after a solve."""
+
+    objective: float
+    iterations: int
+    rounds: int
+    times: dict[str, float]
+    trans: Transcription
+    program: Program
+    x: Array
+    picks: list[Pick]
+    found: Solution
+
+    def result(self, status: str, reason: str, worst: list[Worst], gait: Gait | None = None) -> PlanResult:
+        """The result of planning."""
+        return PlanResult(
+            status,
+            reason,
+            gait,
+            self.objective,
+            self.iterations,
+            self.rounds,
+            self.times,
+            self.trans.size,
+            self.program.rows,
+            worst,
+            self.x,
+            self.picks,
+            self.trans.motion.borders,
+            self.found,
+        )
+
+
+class Planner:
+    """Plans motions for one robot; the compiled functions are loaded once.
+
+    Args:
+        robot: the robot.
+        notify: told once when the dynamics are compiled, or when there is no compiler.
+
+    Raises:
+        BadInput: the robot has legs or soles that cannot be planned for.
+    """
+
+    def __init__(self, robot: Robot, notify: Callable[[str], None] | None = None) -> None:
+        self.biped: Biped = biped_from(robot)
+        self.functions: PointFunctions = point_functions(self.biped, notify)
+        self._compile_s = self.functions.compile_s  # told once, by the first plan
+
+    def plan(
+        self,
+        motion: Motion,
+        settings: Settings | None = None,
+        neighbour: PlanResult | None = None,
+        start: Array | None = None,
+        report: Callable[[int, Progress], None] | None = None,
+    ) -> PlanResult:
+        """Solve, check on the dense grid, refine, and certify.
+
+        Args:
+            motion: phases and conditions.
+            settings: bounds, order, tolerances.
+            neighbour: result for the same phases with nearby numbers, to start warm from.
+            start: unknowns to start cold from; the default start if None.
+            report: called at every iteration with the round and the progress.
+        """
+        settings = settings or Settings()
+        begin = time.perf_counter()
+        trans = Transcription(self.biped, motion, settings)
+        base = trans.points()
+        found: Solution | None = None
+        if neighbour is not None and len(neighbour.x) == trans.size:
+            picks = scaled_picks(neighbour.picks, neighbour.borders, motion.borders)
+            x, found = neighbour.x, neighbour.solution
+        else:
+            picks = [
+                pick
+                for pick in all_picks(trans, base)
+                if not trans.bounds[pick.phase][pick.bound].name.endswith(_SELDOM)
+            ]
+            x = default_start(trans) if start is None else start
+        times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
+        iterations, rounds = 0, 0
+        deadline = begin + settings.time_limit
+        self._compile_s = 0.0
+        times["setup"] += time.perf_counter() - begin
+        while True:
+            clock = time.perf_counter()
+            points = with_times(trans, base, picks)
+            program = make_program(trans, self.functions, points, picks)
+            found = self._solve(program, found, x, settings, deadline, rounds, report)
+            iterations += found.iterations
+            x = found.x
+            times["setup"] += found.setup_s
+            times["solve"] += time.perf_counter() - clock - found.setup_s
+            z, o = program.evaluate(x)
+            tally = _Tally(program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found)
+            if not found.solved:
+                return tally.result("not solved", explain(trans, program, found, time.perf_counter() > deadline), [])
+            clock = time.perf_counter()
+            checks = check(trans, self.functions, x, settings.dense)
+            times["check"] += time.perf_counter() - clock
+            beyond = worst_violation(checks)
+            if beyond <= _ENOUGH:
+                break
+            if rounds >= settings.refinements or time.perf_counter() > deadline:
+                worst = certificate(trans, checks)
+                first = worst[0]
+                text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
+                return tally.result("not certified", f"{text}, after {rounds} refinements", worst)
+            picks = new_picks(trans, checks, picks, _AIM)
+            rounds += 1
+        worst = certificate(trans, checks)
+        clock = time.perf_counter()
+        gait = self._gait(trans, x, worst, found, tally.objective)
+        times["check"] += time.perf_counter() - clock
+        return tally.result("solved", "", worst, gait)
+
+    def _solve(
+        self,
+        program: Program,
+        last: Solution | None,
+        x: Array,
+        settings: Settings,
+        deadline: float,
+        rounds: int,
+        report: Callable[[int, Progress], None] | None,
+    ) -> Solution:
+        """Warm from the last solution if there is one, else (or if that fails) cold."""
+        tell = None if report is None else lambda progress: report(rounds, progress)
+        if last is not None:
+            multipliers = np.zeros(program.rows)
+            count = min(program.rows, len(last.multipliers))
+            multipliers[:count] = last.multipliers[:count]
+            found = solve_sqp(program, x, multipliers, _WARM_ITERATIONS, deadline, tell)
+            if found.solved or time.perf_counter() > deadline:
+                return found
+        left = max(deadline - time.perf_counter(), 0.01)
+        tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
+        options = _WARM if last is not None else None
+        cold = solve_ipopt(program, x, tolerance, settings.max_iterations, left, tell, options)
+        return cold if last is None else replace(cold, iterations=cold.iterations + found.iterations)
+
+    def _gait(self, trans: Transcription, x: Array, worst: list[Worst], found: Solution, objective: float) -> Gait:
+        """The gait in the robot's own order and world axes."""
+        robot = self.biped.robot
+        pieces = []
+        for phase in range(len(trans.motion.phases)):
+            local = phase_pieces(trans, self.functions, x, phase)
+            pieces.append(finished_pieces(trans, self.functions, x, phase, local))
+        solver: dict[str, Any] = {
+            "name": "IPOPT",
+            "status": found.status,
+            "iterations": found.iterations,
+            "objective": objective,
+            "unknowns": x.tolist(),
+        }
+        return Gait(
+            robot=robot.card.name,
+            robot_hash=robot.content_hash,
+            joint_names=robot.joint_names,
+            motion=trans.motion,
+            pieces=tuple(pieces),
+            bounds=trans.settings.bounds.model_dump(),
+            order=trans.settings.order,
+            solver=solver,
+            certificate={"dense_points": trans.settings.dense, "worst": [item.as_dict() for item in worst]},
+        )
+
+
+def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
+    """Every constraint's worst value, the worst first."""
+    found: dict[str, Worst] = {}
+    for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
+        merge(found, phase, bounds, item.times, item.values)
+    return ranked(found)
+
+
+def scaled_picks(picks: list[Pick], old: Array, new: Array) -> list[Pick]:
+    """Picks of one motion at the same shares of the phases of another."""
+    found = []
+    for pick in picks:
+        share = (pick.time - old[pick.phase]) / (old[pick.phase + 1] - old[pick.phase])
+        time = new[pick.phase] + share * (new[pick.phase + 1] - new[pick.phase])
+        found.append(Pick(pick.phase, pick.bound, float(time), pick.tighten))
+    return found

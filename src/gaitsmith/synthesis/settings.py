@@ -1,0 +1,76 @@
+"""What the planner may be told besides the motion: bounds, weights, and the order of the splines."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from gaitsmith.robots.parameters import NonNegative, Parameters, Positive
+
+Angle = Annotated[float, Field(gt=0.0, le=1.5, allow_inf_nan=False)]
+
+
+class Bounds(Parameters):
+    """Bounds that hold in every phase, besides the joint limits of the card.
+
+    Attributes:
+        friction: Coulomb coefficient.
+        yaw_friction: largest moment about the vertical per newton of normal force, m.
+        zmp_margin: distance that the ZMP keeps from the edge of the support sole, m; lengthwise it is 0 while both
+            feet carry load, because a foot that turns about its edge has its ZMP there.
+        normal_force: smallest normal force on the support sole in single support, as a share of the weight.
+        squat: Δz of eq. (7), m.
+        torso_pitch: largest lean forward or back, rad.
+        torso_roll: largest lean to a side, rad.
+        torso_yaw: largest turn against the support foot, rad.
+        foot_pitch: largest pitch of the swing foot, rad.
+        foot_tilt: largest roll and yaw of the swing foot, rad.
+        foot_gap: smallest lateral distance between the soles' edges, m.
+        clearance: height that the swing sole reaches by the middle of its swing, m; it rises and falls smoothly.
+        torque: share of the card's torque limits that may be used.
+        velocity: share of the card's velocity limits that may be used.
+    """
+
+    friction: Positive = 0.6
+    yaw_friction: Positive = 0.05
+    zmp_margin: NonNegative = 0.02
+    normal_force: NonNegative = 0.3
+    squat: NonNegative = 0.02
+    torso_pitch: Angle = 0.20
+    torso_roll: Angle = 0.15
+    torso_yaw: Angle = 0.15
+    foot_pitch: Angle = 0.5
+    foot_tilt: Angle = 0.02
+    foot_gap: NonNegative = 0.02
+    clearance: NonNegative = 0.005
+    torque: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    velocity: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+
+
+class Settings(Parameters):
+    """How a motion is transcribed and solved.
+
+    Attributes:
+        order: degree of the joint splines: 4 as in the paper, or 5 (quintic).
+        bounds: what every phase must respect.
+        wrench_weight: of uᵀu in eq. (16) relative to τᵀτ; u in N and N·m.
+        single_nodes: collocation points in a section of single support, ends included.
+        double_nodes: the same in double support.
+        refinements: how often points may be added where a bound is violated between the points.
+        dense: points a phase on which every bound is checked.
+        tolerance: of the solver, on scaled rows.
+        max_iterations: of the solver.
+        time_limit: s, for the whole solution.
+    """
+
+    order: Literal[4, 5] = 5
+    bounds: Bounds = Bounds()
+    wrench_weight: Positive = 0.003
+    single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
+    double_nodes: Annotated[int, Field(ge=3, le=20)] = 4
+    refinements: Annotated[int, Field(ge=0, le=30)] = 12
+    dense: Annotated[int, Field(ge=50, le=5000)] = 400
+    tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
+    max_iterations: Annotated[int, Field(ge=1, le=10000)] = 400
+    time_limit: Annotated[float, Field(gt=0.0, le=3600.0)] = 60.0

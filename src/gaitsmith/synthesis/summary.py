@@ -1,0 +1,68 @@
+"""Figures of a gait for reports: peak torques, ZMP margin, speed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.synthesis.biped import Biped
+from gaitsmith.synthesis.gait import Gait
+from gaitsmith.synthesis.request import Answer
+
+_SAMPLES = 200  # a phase
+
+
+def peak_torques(gait: Gait) -> dict[str, float]:
+    """Largest |torque| of every joint, N·m."""
+    peaks = np.zeros(len(gait.joint_names))
+    borders = gait.motion.borders
+    for phase in range(len(gait.motion.phases)):
+        times = np.linspace(borders[phase], borders[phase + 1], _SAMPLES)
+        peaks = np.maximum(peaks, np.abs(gait.torques(phase, times)).max(axis=1))
+    return dict(zip(gait.joint_names, peaks.tolist(), strict=True))
+
+
+def zmp_margin(gait: Gait, biped: Biped) -> float:
+    """Smallest distance of the ZMP from the support sole's edge in single support, m."""
+    sole, borders, found = biped.leg("left").sole, gait.motion.borders, np.inf
+    for index, phase in enumerate(gait.motion.phases):
+        if phase.double:
+            continue
+        times = np.linspace(borders[index], borders[index + 1], _SAMPLES)
+        first = 0 if phase.support == "left" else 6
+        wrench = gait.wrenches(index, times)[first : first + 6]
+        x, y = -wrench[4] / wrench[2], wrench[3] / wrench[2]
+        margin = np.minimum(np.minimum(x + sole.heel, sole.toe - x), sole.half_width - np.abs(y))
+        found = min(found, float(margin.min()))
+    return found
+
+
+def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> dict[str, Any]:
+    """What ``gaitsmith plan --json`` prints."""
+    main, results = found.main, found.results.values()
+    times = {name: sum(item.times[name] for item in results) for name in main.times}
+    gait = found.gait
+    worst = [item.as_dict() for item in main.worst]
+    if gait is not None:
+        worst = list(gait.certificate.get("worst", worst))
+    return {
+        "status": main.status,
+        "reason": main.reason,
+        "motion": kind,
+        "objective": sum(item.objective for item in results) if kind == "walk" else main.objective,
+        "iterations": sum(item.iterations for item in results),
+        "refinements": sum(item.rounds for item in results),
+        "time_s": times,
+        "variables": main.variables,
+        "constraints": main.constraints,
+        "duration": None if gait is None else gait.duration,
+        "max_torque": None if gait is None else peak_torques(gait),
+        "zmp_margin_mm": None if gait is None else 1e3 * zmp_margin(gait, biped),
+        "worst": worst,
+        "solves": {
+            name: {"status": item.status, "iterations": item.iterations, "objective": item.objective, **item.times}
+            for name, item in found.results.items()
+        },
+        "file": file,
+    }

@@ -1,0 +1,185 @@
+"""Figures of a planned gait: stick figures, joints with their limits, ZMP and CoG over the footprints, reactions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis.full_state import StateFinder
+from gaitsmith.synthesis.gait import Gait
+from gaitsmith.synthesis.support import zmp
+from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, figure, save
+
+Array = npt.NDArray[np.float64]
+_SAMPLES = 60  # a phase
+_STICKS = 30  # figures in a stick plot
+
+
+@dataclass(frozen=True, eq=False)
+class _Trace:
+    """A gait sampled: time (N,), joint curves (n, N), wrenches (12, N), ZMP and CoG (2, N), bodies (N, bodies, 3)."""
+
+    time: Array
+    angle: Array
+    velocity: Array
+    torque: Array
+    wrench: Array
+    zmp: Array
+    com: Array
+    bodies: Array
+    soles: dict[str, Array]
+
+
+def _sample(gait: Gait, robot: Robot) -> _Trace:
+    finder, borders = StateFinder(robot), gait.motion.borders
+    parts: dict[str, list[Array]] = {k: [] for k in ("time", "angle", "velocity", "torque", "wrench", "zmp")}
+    com, bodies = [], []
+    soles: dict[str, list[Array]] = {leg.name: [] for leg in robot.legs}
+    for index, phase in enumerate(gait.motion.phases):
+        times = np.linspace(borders[index], borders[index + 1], _SAMPLES)
+        q, v, a = gait.joints(index, times)
+        wrench = gait.wrenches(index, times)
+        values = (times, q, v, gait.torques(index, times), wrench, zmp(phase, wrench))
+        for key, value in zip(parts, values, strict=True):
+            parts[key].append(value)
+        for k in range(_SAMPLES):
+            finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
+            com.append(finder.centre_of_mass()[:2])
+            bodies.append(finder.data.xpos.copy())
+            for leg in robot.legs:
+                ends = [finder.foot(leg.name, np.array([x, 0.0, 0.0]))[0] for x in (-leg.sole.heel, leg.sole.toe)]
+                soles[leg.name].append(np.array(ends))
+    stacked = {key: np.concatenate(value, axis=-1) for key, value in parts.items()}
+    feet = {name: np.array(items) for name, items in soles.items()}
+    return _Trace(**stacked, com=np.array(com).T, bodies=np.array(bodies), soles=feet)
+
+
+def _phases(axes: Axes, gait: Gait) -> None:
+    """Double support shaded."""
+    borders = gait.motion.borders
+    for index, phase in enumerate(gait.motion.phases):
+        if phase.double:
+            axes.axvspan(borders[index], borders[index + 1], color=BAND, zorder=0)
+    axes.set_xlim(float(borders[0]), float(borders[-1]))
+
+
+def _sticks(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
+    with figure(f"{robot.card.name}: {gait.motion.name}", 7.0) as made:
+        side, front = made.subplots(2, 1)
+        chosen = np.linspace(0, trace.bodies.shape[0] - 1, _STICKS).astype(int)
+        for axes, axis, title in ((side, 0, "from the side"), (front, 1, "from the front")):
+            for order, k in enumerate(chosen):
+                shade = 0.25 + 0.75 * order / _STICKS
+                # The front view would draw every figure on the same spot: it is spread along time.
+                shift = 0.0 if axis == 0 else 0.25 * order
+                for leg, colour in zip(robot.legs, (LEFT, RIGHT), strict=True):
+                    chain = [robot.torso_body] + [int(robot.model.jnt_bodyid[j + 1]) for j in leg.joint_indices]
+                    points = trace.bodies[k, chain]
+                    sign = 1.0 if axis == 0 else -1.0
+                    axes.plot(sign * points[:, axis] + shift, points[:, 2], color=colour, alpha=shade, lw=1.0)
+                    foot = trace.soles[leg.name][k]
+                    axes.plot(sign * foot[:, axis] + shift, foot[:, 2], color=colour, alpha=shade, lw=1.6)
+                trunk = trace.bodies[k, robot.torso_body]
+                top = trunk + np.array([0.0, 0.0, 0.3])
+                sign = 1.0 if axis == 0 else -1.0
+                ends = np.array([trunk, top])
+                axes.plot(sign * ends[:, axis] + shift, ends[:, 2], color=COMMAND, alpha=shade, lw=1.0)
+            axes.set_aspect("equal")
+            axes.set_title(title)
+            axes.set_ylabel("z, m")
+        side.set_xlabel("x, m")
+        front.set_xlabel("y, m, figures spread along time")
+        return save(made, path)
+
+
+def _joints(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
+    left, right = robot.legs
+    rows = len(left.joint_indices)
+    with figure(f"{robot.card.name}: {gait.motion.name}, joints", 2.0 * rows) as made:
+        grid = made.subplots(rows, 3, sharex=True)
+        for row, (one, two) in enumerate(zip(left.joint_indices, right.joint_indices, strict=True)):
+            curves = (
+                (trace.angle, (robot.position_low[one], robot.position_high[one]), "rad"),
+                (trace.velocity, (-robot.velocity_limit[one], robot.velocity_limit[one]), "rad/s"),
+                (trace.torque, (-robot.torque_limit[one], robot.torque_limit[one]), "N·m"),
+            )
+            for axes, (values, limits, unit) in zip(grid[row], curves, strict=True):
+                _phases(axes, gait)
+                axes.plot(trace.time, values[one], color=LEFT, label="left")
+                axes.plot(trace.time, values[two], color=RIGHT, label="right")
+                low, high = axes.get_ylim()
+                for limit in limits:
+                    if low - 0.5 * (high - low) <= limit <= high + 0.5 * (high - low):
+                        axes.axhline(float(limit), color=LIMIT, ls="--")
+                axes.set_ylabel(unit)
+                name = robot.joint_names[one].replace("left_", "")
+                axes.set_title(f"{name}, limits {limits[0]:g} to {limits[1]:g}", fontsize=9.0)
+        grid[0][0].legend(loc="best")
+        for axes in grid[-1]:
+            axes.set_xlabel("time, s")
+        return save(made, path)
+
+
+def _ground(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
+    sole = robot.legs[0].sole
+    with figure(f"{robot.card.name}: {gait.motion.name}, ZMP and CoG over the footprints", 5.0) as made:
+        axes = made.subplots()
+        seen = set()
+        for phase in gait.motion.phases:
+            other = "left" if phase.support == "right" else "right"
+            for side, place in ((phase.support, phase.foothold), (other, phase.other)):
+                if place is None or (side, place) in seen:
+                    continue
+                seen.add((side, place))
+                corner = (place[0] - sole.heel, place[1] - sole.half_width)
+                colour = LEFT if side == "left" else RIGHT
+                box = Rectangle(corner, sole.heel + sole.toe, 2 * sole.half_width, fill=False, edgecolor=colour)
+                axes.add_patch(box)
+        axes.plot(*trace.com, color=THIRD, label="CoG")
+        axes.plot(*trace.zmp, color=COMMAND, lw=1.0, label="ZMP")
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_xlabel("x, m")
+        axes.set_ylabel("y, m")
+        axes.legend(loc="upper right")
+        return save(made, path)
+
+
+def _reactions(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
+    with figure(f"{robot.card.name}: {gait.motion.name}, ground reactions", 6.0) as made:
+        grid = made.subplots(2, 3, sharex=True)
+        for row, (kind, unit) in enumerate((("force", "N"), ("moment", "N·m"))):
+            for axis, name in enumerate("xyz"):
+                axes = grid[row][axis]
+                _phases(axes, gait)
+                axes.plot(trace.time, trace.wrench[3 * row + axis], color=LEFT, label="left")
+                axes.plot(trace.time, trace.wrench[6 + 3 * row + axis], color=RIGHT, label="right")
+                axes.set_title(f"{kind} {name}, {unit}")
+        grid[0][0].legend(loc="best")
+        for axes in grid[1]:
+            axes.set_xlabel("time, s")
+        return save(made, path)
+
+
+def write_gait_figures(gait: Gait, robot: Robot, folder: Path) -> list[Path]:
+    """Write all figures of a gait into a folder; returns their paths.
+
+    Raises:
+        BadInput: the folder cannot be written.
+    """
+    trace = _sample(gait, robot)
+    folder.mkdir(parents=True, exist_ok=True)
+    return [
+        draw(gait, robot, trace, folder / name)
+        for name, draw in (
+            ("sticks.png", _sticks),
+            ("joints.png", _joints),
+            ("ground.png", _ground),
+            ("reactions.png", _reactions),
+        )
+    ]

@@ -1,0 +1,115 @@
+"""Commands plan, verify, export and play: exit codes, documents, one line when something is wrong."""
+
+import json
+
+import pytest
+
+from gaitsmith.cli import main
+
+PLAN_KEYS = {
+    *("status", "motion", "objective", "iterations", "time_s", "variables", "constraints", "max_torque"),
+    *("zmp_margin_mm", "worst", "file"),
+}
+VERIFY_KEYS = {
+    *("ok", "worst", "closure", "torque_jump", "dynamics_residual", "penetration_mm", "clearance_mm"),
+    *("zmp_margin_mm",),
+}
+
+
+@pytest.fixture(scope="module")
+def gait(tmp_path_factory):
+    path = tmp_path_factory.mktemp("plan") / "gait.json"
+    assert main(["plan", "cyclic", "--speed", "0.4", "--out", str(path), "--json"]) == 0
+    return path
+
+
+def _document(capsys):
+    return json.loads(capsys.readouterr().out)
+
+
+def test_plan_prints_its_document(tmp_path, capsys):
+    path = tmp_path / "gait.json"
+    assert main(["plan", "cyclic", "--step-length", "0.2", "--period", "0.5", "--out", str(path), "--json"]) == 0
+    document = _document(capsys)
+    assert set(document) >= PLAN_KEYS
+    assert document["status"] == "solved"
+    assert set(document["time_s"]) >= {"setup", "compile", "solve"}
+    assert set(document["worst"][0]) >= {"constraint", "value", "limit", "time", "phase"}
+    assert document["file"] == str(path)
+
+
+def test_verify_agrees(gait, capsys):
+    assert main(["verify", str(gait), "--json"]) == 0
+    document = _document(capsys)
+    assert set(document) >= VERIFY_KEYS
+    assert document["ok"] is True
+
+
+def test_verify_of_an_edited_file_fails(gait, tmp_path, capsys):
+    content = json.loads(gait.read_text())
+    content["phases"][1]["sections"][0]["torque"][2][0] += 0.5
+    bad = tmp_path / "bad.json"
+    bad.write_text(json.dumps(content))
+    assert main(["verify", str(bad), "--json"]) == 1
+    assert _document(capsys)["ok"] is False
+    assert main(["play", str(bad)]) == 2
+    assert "edited" in capsys.readouterr().err
+
+
+def test_play_and_export(gait, tmp_path, capsys):
+    assert main(["play", str(gait), "--steps", "4", "--json"]) == 0
+    assert _document(capsys)["stood"] is True
+    out = tmp_path / "rows.csv"
+    assert main(["export", str(gait), "--rate", "200", "--out", str(out), "--json"]) == 0
+    assert _document(capsys)["rows"] == len(out.read_text().splitlines()) - 1
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (["plan", "nowhere.toml"], 2),
+        (["plan", "cyclic", "--speed", "nan"], 2),
+        (["plan", "cyclic", "--speed", "0.4", "--step-length", "0.3", "--period", "0.5"], 2),
+        (["plan", "cyclic", "--order", "6"], 2),
+        (["plan", "cyclic", "--robot", "bhr_b2"], 2),
+        (["plan", "cyclic", "--out", "/nowhere/gait.json"], 2),
+        (["plan", "kick", "--period", "1"], 2),
+        (["plan", "cyclic", "--step-length", "0.7", "--period", "1.0", "--time-limit", "10"], 3),
+        (["verify", "nowhere.json"], 2),
+        (["export", "nowhere.json"], 2),
+        (["play", "nowhere.json", "--friction", "-1"], 2),
+    ],
+)
+def test_what_is_wrong_is_one_line(words, code, capsys):
+    assert main(words) == code
+    error = capsys.readouterr().err.strip()
+    assert error.startswith("gaitsmith: ")
+    assert len(error.splitlines()) == 1
+
+
+def test_an_unsolved_plan_leaves_no_file(tmp_path, capsys):
+    path = tmp_path / "gait.json"
+    words = [
+        "plan",
+        "cyclic",
+        "--step-length",
+        "0.7",
+        "--period",
+        "1.0",
+        "--time-limit",
+        "10",
+        "--out",
+        str(path),
+        "--json",
+    ]
+    assert main(words) == 3
+    document = _document(capsys)
+    assert document["status"] == "not solved"
+    assert document["reason"]
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("rate", ["0", "-5", "inf"])
+def test_rates(gait, rate, capsys):
+    assert main(["export", str(gait), "--rate", rate]) == 2
+    assert "--rate" in capsys.readouterr().err

@@ -1,0 +1,119 @@
+"""Plans of the paper's cyclic gaits: certified, confirmed by MuJoCo, explained when they fail."""
+
+import time
+
+import numpy as np
+import pytest
+
+from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
+from gaitsmith.synthesis.guess import random_start
+from gaitsmith.synthesis.ipopt import Progress
+from gaitsmith.synthesis.motions import cyclic
+from gaitsmith.synthesis.program import make_program
+from gaitsmith.synthesis.transcription import Transcription
+
+ALLOWED = 1e-3  # share of a bound's range, between the points too
+SAME_OPTIMUM = 1e-3
+
+
+@pytest.mark.parametrize("name", ["static", "dynamic"])
+def test_cyclic_gaits_are_certified_and_physics_agrees(name, request, robot):
+    found = request.getfixturevalue(name)
+    assert found.gait is not None, found.main.reason
+    assert found.main.worst[0].violation <= ALLOWED
+    verdict = verify(found.gait, robot)
+    assert verdict.ok, verdict.problems
+    # A tenth of what is allowed is the goal of the closure.
+    assert verdict.closure["position_mm"] < 0.01
+    assert verdict.closure["velocity"] < 0.0005
+    assert verdict.closure["acceleration"] < 0.05
+    assert verdict.torque_jump < 0.01
+    assert verdict.dynamics_residual < 1e-6
+    assert verdict.zmp_margin > 20.0
+
+
+def test_the_planners_certificate_is_the_verifiers(dynamic, robot):
+    verdict = verify(dynamic.gait, robot)
+    for item in dynamic.main.worst:
+        assert abs(item.violation - verdict.worst[item.constraint].violation) < 1e-6
+
+
+def test_neighbours_start_warm(planner, dynamic):
+    motion = cyclic(planner.biped, StepParameters(0.205, 0.5))
+    warm = planner.plan(motion, neighbour=dynamic.main)
+    cold = planner.plan(motion)
+    assert warm.solved
+    assert warm.iterations < cold.iterations
+    assert abs(warm.objective - cold.objective) < SAME_OPTIMUM * cold.objective
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_starts_find_the_same_optimum(planner, static, seed):
+    motion, settings = cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings()
+    start = random_start(Transcription(planner.biped, motion, settings), seed)
+    found = planner.plan(motion, settings, start=start)
+    assert found.solved, found.reason
+    assert abs(found.objective - static.main.objective) < SAME_OPTIMUM * static.main.objective
+
+
+def test_the_papers_quartic_solves_and_its_torque_jumps(planner, robot, dynamic):
+    found = answer(planner, Request("cyclic", StepParameters(0.20, 0.5), settings=Settings(order=4)))
+    assert found.gait is not None, found.main.reason
+    verdict = verify(found.gait, robot)
+    assert verdict.dynamics_residual < 1e-6
+    assert verdict.torque_jump > 100.0 * verify(dynamic.gait, robot).torque_jump
+
+
+@pytest.mark.parametrize("step", [StepParameters(0.6, 1.0), StepParameters(0.28, 0.2)])
+def test_what_cannot_be_done_is_explained_in_bounded_time(planner, step):
+    begin = time.perf_counter()
+    found = planner.plan(cyclic(planner.biped, step), Settings(time_limit=20.0))
+    assert not found.solved
+    assert found.gait is None
+    assert len(found.reason) > 20
+    assert time.perf_counter() - begin < 40.0
+
+
+def test_torque_limits_are_named(planner):
+    found = planner.plan(
+        cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(bounds=Bounds(torque=0.1), time_limit=30.0)
+    )
+    assert not found.solved
+    assert "torque" in found.reason
+    assert "support" in found.reason
+
+
+def test_progress_is_told_and_an_interrupt_ends_the_solve(planner):
+    seen: list[Progress] = []
+
+    def stop(_: int, progress: Progress) -> None:
+        seen.append(progress)
+        if len(seen) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        planner.plan(cyclic(planner.biped, StepParameters(0.15, 1.0)), report=stop)
+    assert len(seen) == 3
+    assert seen[0].constraint
+
+
+def test_rows_have_the_derivatives_that_the_solver_is_given(planner):
+    from gaitsmith.synthesis.assembly import Assembly
+    from gaitsmith.synthesis.caller import Caller
+    from gaitsmith.synthesis.guess import default_start
+
+    trans = Transcription(planner.biped, cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings())
+    program = make_program(trans, planner.functions, trans.points())
+    call = Caller(Assembly(program).first_order)
+    x = default_start(trans) + 0.05 * np.random.default_rng(0).normal(size=trans.size)
+    call(x)
+    gradient, jacobian = call.results[0].copy(), call.matrix(2).toarray().copy()
+    direction = np.random.default_rng(1).normal(size=trans.size)
+    h, values = 1e-6, []
+    for sign in (1.0, -1.0):
+        z, o = program.evaluate(x + sign * h * direction)
+        values.append((program.objective(z, o), program.constraint(x + sign * h * direction, o)))
+    slope = (values[0][1] - values[1][1]) / (2 * h)
+    assert np.abs(slope - jacobian @ direction).max() < 1e-4 * max(1.0, np.abs(slope).max())
+    change = 1e-2 * (values[0][0] - values[1][0]) / (2 * h)
+    assert abs(change - gradient @ direction) < 1e-4 * abs(change)

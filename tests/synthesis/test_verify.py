@@ -1,0 +1,65 @@
+"""The verifier finds what is wrong: torques, wrenches, joints and places that physics does not confirm."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gaitsmith.synthesis import verify
+from gaitsmith.synthesis.motion import At
+from gaitsmith.synthesis.support import hull
+
+SPARSE = 40  # instants a phase: enough to see a lie
+
+
+def _changed(gait, phase, **changes):
+    piece = gait.pieces[phase][0]
+    group = (replace(piece, **{k: v(getattr(piece, k).copy()) for k, v in changes.items()}), *gait.pieces[phase][1:])
+    return replace(gait, pieces=(*gait.pieces[:phase], group, *gait.pieces[phase + 1 :]))
+
+
+def _add(row, amount):
+    def change(table):
+        table[row, 0] += amount
+        return table
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("phase", "changes", "problem"),
+    [
+        (0, {"torque": _add(3, 0.01)}, "dynamics residual"),
+        (1, {"wrench": _add(8, 0.1)}, "dynamics residual"),
+        (3, {"joints": _add(8, 1e-3)}, "closure"),
+        (0, {"joints": _add(3, -1e-3)}, "jumps where phases meet"),
+    ],
+)
+def test_lies_are_found(dynamic, robot, phase, changes, problem):
+    verdict = verify(_changed(dynamic.gait, phase, **changes), robot, SPARSE)
+    assert not verdict.ok
+    assert any(problem in text for text in verdict.problems), verdict.problems
+
+
+def test_a_footprint_moved_is_found(dynamic, robot):
+    motion = dynamic.gait.motion
+    phases = list(motion.phases)
+    phases[2] = replace(phases[2], other=(phases[2].other[0] + 0.001, phases[2].other[1]))
+    verdict = verify(replace(dynamic.gait, motion=replace(motion, phases=tuple(phases))), robot, SPARSE)
+    assert any("closure" in text for text in verdict.problems)
+
+
+def test_a_condition_that_does_not_hold_is_found(dynamic, robot):
+    motion = replace(dynamic.gait.motion, conditions=(At(1, "ankle_z", 0.2),))
+    verdict = verify(replace(dynamic.gait, motion=motion), robot, SPARSE)
+    assert any("ankle_z" in text for text in verdict.problems)
+
+
+def test_tighter_bounds_fail(dynamic, robot):
+    gait = replace(dynamic.gait, bounds=dynamic.gait.bounds | {"torque": 0.1})
+    assert any("torque" in text for text in verify(gait, robot, SPARSE).problems)
+
+
+def test_hull_of_points():
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0]])
+    assert sorted(map(tuple, hull(points))) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
