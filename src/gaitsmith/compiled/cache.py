@@ -42,7 +42,7 @@ def cache_root() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / _PACKAGE
 
 
-def _private_folder(folder: Path) -> Path:
+def private_folder(folder: Path) -> Path:
     """Create ``folder`` with mode 0700, or check that an existing one is a folder only we can write.
 
     Raises:
@@ -129,8 +129,8 @@ def source_key(module: str) -> str:
 def _cache_folder(module: str, convention: str) -> Path | None:
     """Private folder for one module's kernels; None when the machine offers no place to write one."""
     try:
-        root = _private_folder(cache_root())
-        return _private_folder(root / f"{module.rpartition('.')[2]}-{convention}-{source_key(module)}")
+        root = private_folder(cache_root())
+        return private_folder(root / f"{module.rpartition('.')[2]}-{convention}-{source_key(module)}")
     except OSError as error:
         warnings.warn(f"kernels are compiled anew in every process: no cache folder ({error})", stacklevel=4)
         return None

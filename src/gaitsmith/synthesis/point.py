@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.compiled.cache import _private_folder, cache_root
+from gaitsmith.compiled.cache import cache_root, private_folder
 from gaitsmith.dynamics import symbolic
 from gaitsmith.synthesis.biped import Biped
 from gaitsmith.synthesis.caller import Caller
@@ -186,7 +186,7 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
     tell = notify or (lambda _: None)
     compiler = find_compiler()
     if compiler is not None:
-        folder = _private_folder(_private_folder(cache_root()) / f"point-{_key(biped, compiler)}")
+        folder = private_folder(private_folder(cache_root()) / f"point-{_key(biped, compiler)}")
         library = folder / "point.so"
         spent = 0.0
         if not library.is_file():
