@@ -119,6 +119,36 @@ def test_a_reader_that_leaves_changes_no_exit_code(trial: Any, monkeypatch: pyte
         assert main(["trial", "--json"]) == 1
 
 
+@pytest.mark.parametrize("words", [["robots", "show"], ["robots", "show", "--json"]])
+def test_a_full_disk_behind_stdout_is_one_line(
+    words: list[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    if not os.path.exists("/dev/full"):
+        pytest.skip("needs /dev/full")
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert main(words) == 2
+        monkeypatch.undo()
+    told = capfd.readouterr().err
+    assert told.count("\n") == 1
+    assert told.startswith("gaitsmith: standard output: got 'no space left on device'")
+
+
+@pytest.mark.parametrize("words", [["robots", "list"], ["robots", "list", "--json"], ["robots", "show", "nobody"]])
+def test_closed_streams_change_no_exit_code(words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", None)
+    monkeypatch.setattr(sys, "stderr", None)
+    assert main(words) == (2 if "nobody" in words else 0)
+
+
+def test_an_encoding_without_our_letters_shows_question_marks(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", shown)
+    trial(lambda: Outcome(0, {}, lambda: print("40 N·m")))
+    assert main(["trial"]) == 0
+    assert shown.buffer.getvalue() == b"40 N?m\n"  # type: ignore[attr-defined]
+
+
 def test_help_is_fast_and_loads_no_engine() -> None:
     code = (
         "import sys; from gaitsmith.cli import main; main(['walk', '--help']); heavy = {'numpy', 'numba', 'mujoco',"

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from gaitsmith.cli.arguments import parse
 from gaitsmith.cli.dispatch import main
+from gaitsmith.cli.run_folder import check_new_folder
 from gaitsmith.cli.scenario_file import scenario_toml
 from gaitsmith.cli.walk import WalkArguments, scenario_from
 from gaitsmith.errors import BadInput
@@ -128,6 +129,13 @@ def test_folders_are_refused_before_the_run(tmp_path: Path) -> None:
         assert code == 2
         assert "--out" in err
         assert len(err.splitlines()) == 1
+
+
+def test_a_place_that_only_seems_writable_is_refused_before_the_run() -> None:
+    if not Path("/proc/self").exists():
+        pytest.skip("needs /proc")
+    with pytest.raises(BadInput, match="--out"):
+        check_new_folder("/proc/run")
 
 
 def test_a_run_leaves_a_whole_folder_that_runs_again(tmp_path: Path) -> None:

@@ -97,7 +97,7 @@ def test_gait_inputs_outside_the_robot_s_limits_are_refused(name, value):
         ),
         ({"pushes": [{"time": 21.0, "impulse": [1, 0, 0]}]}, "pushes[0].time: got 21.0, expected 0 s to less than"),
         ({"pushes": [{"time": 2.0, "impulse": [1, math.inf, 0]}]}, "pushes[0].impulse[1]"),
-        ({"pushes": [{"impulse": [1, 0, 0]}]}, "pushes[0].time: got None, expected field required"),
+        ({"pushes": [{"impulse": [1, 0, 0]}]}, "pushes[0].time: got None, expected a value"),
         ({"speed": [0.1, 0.2, 0.3]}, "speed: got [0.1, 0.2, 0.3], expected one or two finite numbers, m/s"),
         ({"speed": "fast"}, "speed: got 'fast', expected one or two finite numbers"),
         ({"state": "guessed"}, "state: got 'guessed', expected 'true' or 'estimated'"),
@@ -162,3 +162,20 @@ def test_the_region_holds_the_commanded_path():
 def test_an_unknown_preset_names_the_known_ones():
     with pytest.raises(BadInput, match="preset: got 'best', expected one of"):
         check_scenario(Scenario(preset="best"), robot())
+
+
+@pytest.mark.parametrize("value", [0.0, 1e9])
+def test_a_number_out_of_range_is_told_both_bounds(value):
+    assert _refusal({"duration": value}).endswith("expected more than 0 to 3600")
+
+
+def test_both_bounds_also_below_the_top():
+    assert _refusal({"changes": [{"time": -1.0, "speed": 0.1}]}).endswith("expected 0 to 3600")
+
+
+def test_what_is_missing_or_nested_too_deeply_is_told_in_our_own_words():
+    assert _refusal({"pushes": [{"time": 1.0, "impulse": [0, 1]}]}).endswith("impulse[2]: got None, expected a value")
+    nested: list[object] = []
+    for _ in range(300):
+        nested = [nested]
+    assert "scenario: got 'recursion limit" in _refusal({"robot": nested})

@@ -6,12 +6,13 @@ Only the chosen command's module is imported, and it imports the engine only whe
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import math
 import os
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, TextIO
@@ -73,22 +74,45 @@ def main(words: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if words is None else words)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
-    out, code = sys.stdout, DONE
+    with _streams() as out:
+        return _report(words, wants_json, out)
+
+
+@contextlib.contextmanager
+def _streams() -> Iterator[TextIO]:
+    """Standard output as it is given: a closed one swallows everything, and a poor encoding shows question marks."""
+    with contextlib.ExitStack() as opened:
+        for name, redirect in (("stdout", contextlib.redirect_stdout), ("stderr", contextlib.redirect_stderr)):
+            stream = getattr(sys, name)
+            if stream is None:
+                opened.enter_context(redirect(opened.enter_context(open(os.devnull, "w", encoding="utf-8"))))
+            elif isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="replace")
+        yield sys.stdout
+
+
+def _report(words: list[str], wants_json: bool, out: TextIO) -> int:
+    """Run the command and print its outcome."""
+    code = DONE
     try:
         with contextlib.redirect_stdout(sys.stderr) if wants_json else contextlib.nullcontext():
             outcome = _run(words)
         code = outcome.code
-        if wants_json:
-            _print_json(outcome.document, out)
-        else:
-            outcome.show()
-        out.flush()
+        with _printing():
+            if wants_json:
+                _print_json(outcome.document, out)
+            else:
+                outcome.show()
+            out.flush()
         return code
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else DONE
     except BrokenPipeError:
         _discard(out)
         return code
+    except _Unwritable as error:
+        _discard(out)
+        return _failed(BAD_INPUT, str(error), False, out, {})
     except KeyboardInterrupt:
         return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
     except BadInput as error:
@@ -150,7 +174,7 @@ def _failed(code: int, text: str, wants_json: bool, out: TextIO, details: dict[s
         try:
             _print_json({"error": {**details, "message": line}}, out)
             out.flush()
-        except BrokenPipeError:
+        except OSError:
             _discard(out)
     return code
 
@@ -172,6 +196,22 @@ def _plain(value: Any) -> Any:
     if value is None or isinstance(value, (bool, int, str)):
         return value
     return str(value)
+
+
+class _Unwritable(GaitsmithError):
+    """Standard output takes nothing more, and not because its reader has gone."""
+
+
+@contextlib.contextmanager
+def _printing() -> Iterator[None]:
+    """A full disk behind standard output is the user's to solve, a reader who has gone is not even wrong."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise _Unwritable(f"standard output: got {reason!r}, expected a stream that can be written") from None
 
 
 def _write(text: str) -> None:

@@ -35,6 +35,11 @@ def check_new_folder(name: str, field: str = "--out") -> Path:
     parent = next(above for above in folder.parents if os.path.lexists(above))
     if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
         raise BadInput(field, name, "a folder whose parent can be written", f"{parent} cannot be; choose another place")
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=".gaitsmith.", dir=parent))  # what modes don't tell, such as /proc
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise BadInput(field, name, "a folder whose parent can be written", f"{parent}: {reason}") from None
     return folder
 
 

@@ -244,14 +244,36 @@ def _bad_input(error: ValidationError, source: str) -> BadInput:
     valid = first["msg"][0].lower() + first["msg"][1:]
     if first["type"] == "extra_forbidden":
         valid = "no such field; the fields are " + ", ".join(_siblings(first["loc"]))
+    if first["type"] == "missing":
+        valid = "a value"
+    if first["type"] == "json_invalid":
+        return BadInput(f"{source}scenario", first["msg"].rpartition(": ")[2], "values that are not nested deeply")
     value = None if first["type"] == "missing" else first["input"]
     for opening in ("input should be ", "value error, "):
         valid = valid.removeprefix(opening)
+    if first["type"].startswith(("greater_than", "less_than")):
+        valid = _whole_range(first["loc"]) or valid
     return BadInput(f"{source}{field or 'scenario'}", value, valid)
+
+
+def _whole_range(location: tuple[int | str, ...]) -> str:
+    """Both bounds of a number, where it has both; pydantic tells of the one that was passed."""
+    field = _owner(location).model_fields.get(str(location[-1]))
+    bounds: dict[str, float] = {}
+    for entry in field.metadata if field else ():
+        bounds |= {name: getattr(entry, name) for name in ("gt", "ge", "lt", "le") if hasattr(entry, name)}
+    if len(bounds) != 2:
+        return ""
+    low = f"{bounds['ge']:g}" if "ge" in bounds else f"more than {bounds['gt']:g}"
+    return f"{low} to {bounds['le']:g}" if "le" in bounds else f"{low} to less than {bounds['lt']:.10g}"
+
+
+def _owner(location: tuple[int | str, ...]) -> type[BaseModel]:
+    """The model that a location in the document belongs to."""
+    parts: dict[str, type[BaseModel]] = {"changes": Change, "pushes": Push, "sensors": SensorNoise}
+    return parts.get(str(location[0]), Scenario) if len(location) > 1 else Scenario
 
 
 def _siblings(location: tuple[int | str, ...]) -> list[str]:
     """Fields that are known where an unknown one was found."""
-    parts: dict[str, type[BaseModel]] = {"changes": Change, "pushes": Push, "sensors": SensorNoise}
-    model = parts.get(str(location[0]), Scenario)
-    return list(model.model_fields) if len(location) > 1 else list(Scenario.model_fields)
+    return list(_owner(location).model_fields)
