@@ -146,7 +146,7 @@ def test_an_encoding_without_our_letters_shows_question_marks(trial: Any, monkey
     monkeypatch.setattr(sys, "stdout", shown)
     trial(lambda: Outcome(0, {}, lambda: print("40 N·m")))
     assert main(["trial"]) == 0
-    assert shown.buffer.getvalue() == b"40 N?m\n"  # type: ignore[attr-defined]
+    assert shown.buffer.getvalue() == b"40 N?m\n"
 
 
 def test_help_is_fast_and_loads_no_engine() -> None:
