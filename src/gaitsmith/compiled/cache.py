@@ -126,14 +126,25 @@ def source_key(module: str) -> str:
 
 
 @functools.cache
-def _cache_folder(module: str, convention: str) -> Path | None:
-    """Private folder for one module's kernels; None when the machine offers no place to write one."""
+def _usable_root() -> Path | None:
+    """The folder of compiled kernels; None, and one warning, when the machine offers no place to write one."""
     try:
-        root = private_folder(cache_root())
-        return private_folder(root / f"{module.rpartition('.')[2]}-{convention}-{source_key(module)}")
+        return private_folder(cache_root())
     except OSError as error:
-        warnings.warn(f"kernels are compiled anew in every process: no cache folder ({error})", stacklevel=4)
+        text = (
+            f"kernels are compiled anew in every process, for want of a cache folder ({error}); set GAITSMITH_CACHE_DIR"
+        )
+        warnings.warn(text, stacklevel=2)
         return None
+
+
+@functools.cache
+def _cache_folder(module: str, convention: str) -> Path | None:
+    """Private folder for one module's kernels, None without a usable root."""
+    root = _usable_root()
+    if root is None:
+        return None
+    return private_folder(root / f"{module.rpartition('.')[2]}-{convention}-{source_key(module)}")
 
 
 class Kernel:

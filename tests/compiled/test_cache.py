@@ -1,0 +1,88 @@
+"""The kernel cache belongs to its owner alone, and its key follows every source that a kernel reaches."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gaitsmith.compiled import cache, kernel
+from gaitsmith.compiled.cache import private_folder, source_key
+from gaitsmith.control.tick import tick
+from gaitsmith.errors import CacheRefused
+
+
+def test_a_new_folder_is_the_owners_alone(tmp_path: Path) -> None:
+    folder = private_folder(tmp_path / "kernels")
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+
+
+def test_a_readable_folder_is_closed(tmp_path: Path) -> None:
+    folder = tmp_path / "kernels"
+    folder.mkdir(mode=0o755)
+    folder.chmod(0o755)
+    assert stat.S_IMODE(private_folder(folder).stat().st_mode) == 0o700
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o720, 0o702])
+def test_a_folder_that_others_can_write_is_refused(tmp_path: Path, mode: int) -> None:
+    folder = tmp_path / "kernels"
+    folder.mkdir()
+    folder.chmod(mode)
+    with pytest.raises(CacheRefused, match="lets others write"):
+        private_folder(folder)
+
+
+def test_a_link_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    with pytest.raises(CacheRefused, match="not a plain folder"):
+        private_folder(tmp_path / "link")
+
+
+def test_somebody_elses_folder_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = private_folder(tmp_path / "kernels")
+    monkeypatch.setattr(os, "getuid", lambda: folder.stat().st_uid + 1)
+    with pytest.raises(CacheRefused, match="owned by user"):
+        private_folder(folder)
+
+
+def test_the_key_follows_what_a_module_reaches() -> None:
+    """The tick reaches the splines through the template, but no robot and no plant."""
+    reached: set[str] = set()
+    pending = [tick.__module__]
+    while pending:
+        name = pending.pop()
+        if name not in reached:
+            reached.add(name)
+            pending.extend(cache._imports(name))
+    assert "gaitsmith.splines.quartic_pair" in reached
+    assert not [name for name in reached if name.startswith(("gaitsmith.robots", "gaitsmith.simulation"))]
+
+
+def test_the_key_changes_with_the_source_of_a_callee(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    module, callee = "gaitsmith.template.trajectory", "gaitsmith.splines.quartic_pair"
+    before = source_key(module)
+    edited = tmp_path / "edited.py"
+    found = cache._module_file(callee)
+    assert found is not None
+    edited.write_bytes(found.read_bytes() + b"\n# edited\n")
+    real = cache._module_file
+    monkeypatch.setattr(cache, "_module_file", lambda name: edited if name == callee else real(name))
+    assert source_key.__wrapped__(module) != before
+
+
+def test_kernels_call_kernels_and_python_calls_them() -> None:
+    @kernel
+    def double(values: np.ndarray, at: int) -> float:
+        return float(2.0 * values[at])
+
+    @kernel
+    def quadruple(values: np.ndarray) -> float:
+        return float(2.0 * double(values, 0))
+
+    assert quadruple(np.array([1.5, 0.0])) == 6.0
+    assert double(np.array([0.0, 2.0]), 1) == 4.0
