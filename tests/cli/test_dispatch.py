@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -85,6 +86,22 @@ def test_failures_are_one_line(
         assert part in json.loads(captured.out)["error"]["message"]
     else:
         assert captured.out == ""
+
+
+def test_an_interrupted_import_is_an_interrupt(trial: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    """A library that turns Ctrl-C into an ImportError does not make it an error of the package."""
+
+    def importing() -> Outcome:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as error:
+            raise ImportError("half imported") from error
+        raise AssertionError
+
+    trial(importing)
+    assert main(["trial"]) == dispatch.INTERRUPTED
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 @pytest.mark.parametrize("words", [["fly"], ["--fly"], ["robots", "fly"], ["bench", ""], ["robots", "--verbose"]])

@@ -117,3 +117,10 @@ def test_rows_have_the_derivatives_that_the_solver_is_given(planner):
     assert np.abs(slope - jacobian @ direction).max() < 1e-4 * max(1.0, np.abs(slope).max())
     change = 1e-2 * (values[0][0] - values[1][0]) / (2 * h)
     assert abs(change - gradient @ direction) < 1e-4 * abs(change)
+
+
+def test_feet_further_apart_than_the_legs_reach_are_refused_before_solving(planner):
+    found = planner.plan(cyclic(planner.biped, StepParameters(0.9, 1.0)))
+    assert found.status == "not solved"
+    assert found.iterations == 0
+    assert "the legs reach" in found.reason

@@ -10,7 +10,9 @@ import io
 import json
 import math
 import os
+import signal
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -74,8 +76,8 @@ def main(words: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if words is None else words)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
-    with _streams() as out:
-        return _report(words, wants_json, out)
+    with _streams() as out, _interrupts() as interrupts:
+        return _guarded(words, wants_json, out, interrupts)
 
 
 @contextlib.contextmanager
@@ -91,8 +93,36 @@ def _streams() -> Iterator[TextIO]:
         yield sys.stdout
 
 
-def _report(words: list[str], wants_json: bool, out: TextIO) -> int:
-    """Run the command and print its outcome."""
+@dataclass
+class _Interrupts:
+    """Whether Ctrl-C was pressed: a library may turn the exception of one into an error of its own."""
+
+    seen: bool = False
+
+
+@contextlib.contextmanager
+def _interrupts() -> Iterator[_Interrupts]:
+    """Ctrl-C is noted, besides raising KeyboardInterrupt as always."""
+    found = _Interrupts()
+    # An ignored Ctrl-C (a job in the background) stays ignored.
+    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if not usual or threading.current_thread() is not threading.main_thread():
+        yield found
+        return
+
+    def note(*_: object) -> None:
+        found.seen = True
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield found
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _guarded(words: list[str], wants_json: bool, out: TextIO, interrupts: _Interrupts) -> int:
+    """Run the command, and turn every exception into an exit code and a line."""
     code = DONE
     try:
         with contextlib.redirect_stdout(sys.stderr) if wants_json else contextlib.nullcontext():
@@ -114,17 +144,26 @@ def _report(words: list[str], wants_json: bool, out: TextIO) -> int:
         _discard(out)
         return _failed(BAD_INPUT, str(error), False, out, {})
     except KeyboardInterrupt:
-        return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
-    except BadInput as error:
+        return _interrupted(wants_json, out)
+    except Exception as error:
+        return _interrupted(wants_json, out) if interrupts.seen else _explained(error, wants_json, out)
+
+
+def _interrupted(wants_json: bool, out: TextIO) -> int:
+    return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
+
+
+def _explained(error: Exception, wants_json: bool, out: TextIO) -> int:
+    """One line for an error, and its exit code."""
+    if isinstance(error, BadInput):
         details = {"kind": "bad input", "field": error.field, "valid": error.valid, "remedy": error.remedy}
         return _failed(BAD_INPUT, str(error), wants_json, out, {**details, "value": _plain(error.value)})
-    except GaitsmithError as error:
+    if isinstance(error, GaitsmithError):
         return _failed(BAD_INPUT, str(error), wants_json, out, {"kind": type(error).__name__})
-    except Exception as error:
-        if os.environ.get("GAITSMITH_DEBUG"):
-            traceback.print_exc()
-        text = f"internal error: {type(error).__name__}: {error}; set GAITSMITH_DEBUG=1 to see where"
-        return _failed(INTERNAL, text, wants_json, out, {"kind": "internal error"})
+    if os.environ.get("GAITSMITH_DEBUG"):
+        traceback.print_exception(error)
+    text = f"internal error: {type(error).__name__}: {error}; set GAITSMITH_DEBUG=1 to see where"
+    return _failed(INTERNAL, text, wants_json, out, {"kind": "internal error"})
 
 
 def _run(words: list[str]) -> Outcome:

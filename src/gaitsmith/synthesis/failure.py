@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 
 from gaitsmith.synthesis.ipopt import Solution
@@ -42,3 +43,21 @@ def explain(trans: Transcription, program: Program, found: Solution, late: bool)
     limit = float(program.low[row] if values[row] < program.low[row] else program.high[row]) * label.span
     unit = f" {label.unit}" if label.unit else ""
     return f"{ending}: {label.name} {value:.3g} of {limit:.3g}{unit} at {place(trans, label.phase, label.time)}"
+
+
+def out_of_reach(trans: Transcription) -> str:
+    """Why no posture at all reaches both footholds of a phase, in words; empty where one might.
+
+    A necessary condition, cheap to look at before solving: with the legs stretched out level the soles are at most two
+    legs and the hips' share of the torso's yaw apart.
+    """
+    biped, data = trans.biped, mujoco.MjData(trans.biped.model)
+    mujoco.mj_kinematics(biped.model, data)
+    chain = data.xanchor[biped.robot.legs[0].joint_indices + 1]
+    leg = float(np.linalg.norm(np.diff(chain, axis=0), axis=1).sum())
+    reach = 2.0 * leg + biped.width * float(np.sin(trans.settings.bounds.torso_yaw))
+    for phase in trans.motion.phases:
+        apart = 0.0 if phase.other is None else abs(phase.other[0] - phase.foothold[0])
+        if phase.contact == "flat" and apart > reach:
+            return f"no solution: feet {apart:.3g} m apart in {phase.name}, the legs reach {reach:.3g} m at most"
+    return ""

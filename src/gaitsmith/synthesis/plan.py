@@ -15,7 +15,7 @@ from gaitsmith.synthesis.biped import Biped, biped_from
 from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
 from gaitsmith.synthesis.closure import finished_pieces, phase_pieces
 from gaitsmith.synthesis.dense import DenseCheck, check, new_picks, with_times, worst_violation
-from gaitsmith.synthesis.failure import explain
+from gaitsmith.synthesis.failure import explain, out_of_reach
 from gaitsmith.synthesis.gait import Gait
 from gaitsmith.synthesis.guess import default_start
 from gaitsmith.synthesis.ipopt import Progress, Solution, solve_ipopt
@@ -27,7 +27,7 @@ from gaitsmith.synthesis.sqp import solve_sqp
 from gaitsmith.synthesis.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
-_ENOUGH = 0.8 * ALLOWED
+_ENOUGH = 0.9 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
 _SELDOM = ("torque",)  # imposed only where the dense grid asks for it
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
@@ -154,6 +154,10 @@ class Planner:
         settings = settings or Settings()
         begin = time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
+        impossible = out_of_reach(trans)
+        if impossible:
+            times = {"setup": time.perf_counter() - begin, "compile": 0.0, "solve": 0.0, "check": 0.0}
+            return PlanResult("not solved", impossible, None, np.nan, 0, 0, times, trans.size, 0, [], np.zeros(0))
         base = trans.points()
         found: Solution | None = None
         if neighbour is not None and len(neighbour.x) == trans.size:

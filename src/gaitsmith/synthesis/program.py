@@ -105,10 +105,11 @@ def make_program(
         picks = all_picks(trans, points)
     where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
     shares = trans.shares(np.array([pick.phase for pick in picks]), np.array([pick.time for pick in picks])).tolist()
+    entries = rows.entries(inputs)
     for pick, share in zip(picks, shares, strict=True):
         bound = trans.bounds[pick.phase][pick.bound]
         label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span)
-        rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, inputs, pick.tighten)
+        rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, entries, pick.tighten)
     c, d = rows.matrices(points.count)
     return Program(
         functions=functions,

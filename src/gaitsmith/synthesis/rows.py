@@ -13,6 +13,8 @@ from gaitsmith.synthesis.layout import Layout
 
 Array = npt.NDArray[np.float64]
 
+Entries = tuple[list[int], list[int], list[float]]
+
 
 @dataclass(frozen=True)
 class Label:
@@ -69,24 +71,32 @@ class Rows:
             self.add(label, float(values[k]), float(values[k]), lin=lin)
 
     def add_bound(
-        self, bound: Bound, label: Label, point: int, share: float, inputs: sp.csr_matrix, tighten: float = 0.0
+        self, bound: Bound, label: Label, point: int, share: float, inputs: Entries, tighten: float = 0.0
     ) -> None:
         """Append a bound at a point, divided by its span; ``share``: normalised time; ``tighten``: part of the span."""
+        row = self.count
         constant = bound.constant if not bound.rise else float(bound.offset(np.array(share)))
         scale = 1.0 / bound.span
         base = point * self.layout.outputs
-        out = {base + index: value * scale for index, value in bound.out.items()}
-        lin: dict[int, float] = {}
+        self._out += [(row, base + index, value * scale) for index, value in bound.out.items()]
+        starts, columns, values = inputs
         for index, value in bound.inp.items():
-            row = point * self.layout.inputs + index
-            for k in range(inputs.indptr[row], inputs.indptr[row + 1]):
-                column = int(inputs.indices[k])
-                lin[column] = lin.get(column, 0.0) + value * scale * float(inputs.data[k])
+            k = point * self.layout.inputs + index
+            part = slice(starts[k], starts[k + 1])
+            # Columns that occur twice are summed when the matrix is built.
+            self._lin += [(row, c, value * scale * v) for c, v in zip(columns[part], values[part], strict=True) if v]
         low = (bound.low - constant) * scale + tighten
         high = (bound.high - constant) * scale - tighten
         if low > high:
             low = high = 0.5 * (low + high)
-        self.add(label, low, high, out, lin)
+        self.low.append(low)
+        self.high.append(high)
+        self.labels.append(label)
+
+    @staticmethod
+    def entries(inputs: sp.csr_matrix) -> Entries:
+        """The input map as plain lists, which are read faster one by one."""
+        return inputs.indptr.tolist(), inputs.indices.tolist(), inputs.data.tolist()
 
     def matrices(self, points: int) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """C (rows, outputs * points) and D (rows, size)."""
