@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import new_folder, read_bounded, write_bytes_atomic, write_text_atomic
+from gaitsmith.files import read_bounded, write_bytes_atomic, write_text_atomic
 
 
 def test_writes_whole_and_leaves_nothing_else(tmp_path: Path) -> None:
@@ -58,19 +58,6 @@ def test_permissions_follow_the_umask(tmp_path: Path) -> None:
     finally:
         os.umask(previous)
     assert (tmp_path / "a").stat().st_mode & 0o777 == 0o640
-
-
-def test_new_folder_is_new(tmp_path: Path) -> None:
-    folder = new_folder(tmp_path / "a" / "b")
-    assert folder.is_dir()
-    assert folder.is_absolute()
-    with pytest.raises(BadInput, match=r"--out: .*does not exist yet"):
-        new_folder(folder)
-    (tmp_path / "file").write_text("x")
-    for path in (tmp_path / "file", tmp_path / "file" / "below", "/proc/nowhere", "nul\0", "n" * 5000):
-        with pytest.raises(BadInput) as caught:
-            new_folder(path)
-        assert "\n" not in str(caught.value)
 
 
 def test_reads_within_bounds(tmp_path: Path) -> None:

@@ -66,28 +66,6 @@ def write_text_atomic(path: str | Path, text: str) -> None:
     write_bytes_atomic(path, text.encode("utf-8"))
 
 
-def new_folder(path: str | Path, field: str = "--out") -> Path:
-    """Create a folder, its parents included, and return its absolute path.
-
-    Args:
-        path: the folder; nothing may exist there.
-        field: what an error calls it.
-
-    Raises:
-        BadInput: something exists there, or the folder cannot be created or written.
-    """
-    folder = Path(path)
-    try:
-        folder.mkdir(parents=True)
-    except FileExistsError:
-        raise BadInput(field, str(path), "a folder that does not exist yet", "choose another name") from None
-    except (OSError, ValueError) as error:
-        raise BadInput(field, str(path), "a folder that can be created", _reason(error)) from None
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise BadInput(field, str(path), "a folder that can be written", "choose another place")
-    return folder.resolve()
-
-
 def _sync_folder(folder: Path) -> None:
     """Make a rename durable where folders can be opened."""
     with contextlib.suppress(OSError):
