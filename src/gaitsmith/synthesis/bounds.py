@@ -14,6 +14,7 @@ from gaitsmith.synthesis.settings import Bounds
 
 Array = npt.NDArray[np.float64]
 Form = dict[int, float]
+Reach = tuple[float, float, float]
 _FACETS = 8  # of the pyramid inside the friction cone
 _LEVEL = 0.6  # largest sine of a turning foot's pitch
 
@@ -88,33 +89,37 @@ def _box(name: str, unit: str, form: Form, limit: Limit, constant: float, span: 
     return Bound(name, unit, form, {}, limit.low, limit.high, span, constant)
 
 
-def _cone(
-    what: str, inputs: bool, first: int, scale: float, bounds: Bounds, reach: tuple[float, float, float]
-) -> list[Bound]:
-    """Unilateral, friction, CoP and yaw-moment bounds of a wrench whose six numbers start at ``first``.
+def _cone(layout: Layout, what: str, other: bool, scale: float, bounds: Bounds, reach: Reach) -> list[Bound]:
+    """Friction, CoP and yaw-moment bounds of the wrench on the support sole, or on the other one.
 
     ``reach``: how far the CoP may go back, forward, and to a side, m; forces relative to ``scale``.
     """
+    first = layout.wrench if other else layout.force
+    twist, load = layout.twist + other, layout.load + other
 
-    def bound(name: str, unit: str, form: Form, low: float, high: float, span: float) -> Bound:
-        scaled = {index: value / scale for index, value in form.items()}
-        return Bound(f"{what} {name}", unit, {} if inputs else scaled, scaled if inputs else {}, low, high, span)
+    def bound(name: str, unit: str, wrench: Form, span: float, out: Form | None = None) -> Bound:
+        """An upper bound of 0; ``wrench`` holds the six numbers' factors."""
+        scaled = {first + index: value / scale for index, value in wrench.items()}
+        outs = {index: value / scale for index, value in (out or {}).items()}
+        both = (outs, scaled) if other else (outs | scaled, {})
+        return Bound(f"{what} {name}", unit, *both, -np.inf, 0.0, span)
 
-    fx, fy, fz, mx, my, mz = range(first, first + 6)
+    fx, fy, fz, mx, my = range(5)
     back, ahead, aside = reach
+    yaw = bounds.yaw_friction
     found = []
-    inner = bounds.friction * np.cos(np.pi / _FACETS)
     for k in range(_FACETS):
         angle = 2.0 * np.pi * (k + 0.5) / _FACETS
-        form = {fx: float(np.cos(angle)), fy: float(np.sin(angle)), fz: -inner}
-        found.append(bound("friction", "weights", form, -np.inf, 0.0, 1.0))
+        inner = bounds.friction * np.cos(np.pi / _FACETS)
+        found.append(bound("friction", "weights", {fx: np.cos(angle), fy: np.sin(angle), fz: -inner}, 1.0))
     if ahead + back > 0.0:
-        found.append(bound("ZMP forward", "m", {my: -1.0, fz: -ahead}, -np.inf, 0.0, ahead + back))
-        found.append(bound("ZMP backward", "m", {my: 1.0, fz: -back}, -np.inf, 0.0, ahead + back))
-    found.append(bound("ZMP left", "m", {mx: 1.0, fz: -aside}, -np.inf, 0.0, 2.0 * aside))
-    found.append(bound("ZMP right", "m", {mx: -1.0, fz: -aside}, -np.inf, 0.0, 2.0 * aside))
-    found.append(bound("yaw moment", "m", {mz: 1.0, fz: -bounds.yaw_friction}, -np.inf, 0.0, 2 * bounds.yaw_friction))
-    found.append(bound("yaw moment", "m", {mz: -1.0, fz: -bounds.yaw_friction}, -np.inf, 0.0, 2 * bounds.yaw_friction))
+        found.append(bound("ZMP forward", "m", {my: -1.0, fz: -ahead}, ahead + back))
+        found.append(bound("ZMP backward", "m", {my: 1.0, fz: -back}, ahead + back))
+    found.append(bound("ZMP left", "m", {mx: 1.0, fz: -aside}, 2.0 * aside))
+    found.append(bound("ZMP right", "m", {mx: -1.0, fz: -aside}, 2.0 * aside))
+    # About the centre of pressure, times the normal force: a polynomial, without a division at lift-off.
+    found.append(bound("yaw moment", "m", {}, 2.0 * yaw, {twist: 1.0, load: -yaw}))
+    found.append(bound("yaw moment", "m", {}, 2.0 * yaw, {twist: -1.0, load: -yaw}))
     return found
 
 
@@ -169,7 +174,7 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
     ends = 0.0 if phase.double else margin
     reach = (sole.heel - ends, sole.toe - ends, sole.half_width - margin)
     found = _joint_bounds(biped, bounds, phase)
-    found += _cone(f"{phase.support} foot", False, layout.force, biped.weight, bounds, reach)
+    found += _cone(layout, f"{phase.support} foot", False, biped.weight, bounds, reach)
     least = 0.0 if phase.double else bounds.normal_force
     scaled = {layout.force + 2: 1.0 / biped.weight}
     found.append(Bound(f"{phase.support} foot normal force", "weights", scaled, {}, least, np.inf, 1.0))
@@ -177,7 +182,7 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
         edge = phase.contact != "flat"
         reach = (0.0 if edge else sole.heel, 0.0 if edge else sole.toe, sole.half_width - margin)
         other = "left" if phase.support == "right" else "right"
-        found += _cone(f"{other} foot", True, layout.wrench, biped.weight, bounds, reach)
+        found += _cone(layout, f"{other} foot", True, biped.weight, bounds, reach)
         scaled = {layout.wrench + 2: 1.0 / biped.weight}
         found.append(Bound(f"{other} foot normal force", "weights", {}, scaled, 0.0, np.inf, 1.0))
     found.append(

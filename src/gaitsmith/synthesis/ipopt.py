@@ -61,6 +61,7 @@ class Solution:
         setup_s: time to build the problem, s.
         solve_s: time to solve it, s.
         multipliers: of the rows.
+        fallbacks: steps for which a slower method had to take over.
     """
 
     x: Array
@@ -70,6 +71,7 @@ class Solution:
     setup_s: float
     solve_s: float
     multipliers: Array
+    fallbacks: int = 0
 
 
 class _Watch(ca.Callback):
@@ -167,7 +169,15 @@ def solve_ipopt(
         "max_iter": max_iterations,
         "max_wall_time": time_limit,
         "mu_strategy": "adaptive",
+        "alpha_for_y": "min-dual-infeas",
+        "bound_push": 0.1,
+        "bound_frac": 0.1,
+        "slack_bound_push": 0.1,
+        "slack_bound_frac": 0.1,
         "linear_solver": "mumps",
+        # The rows are scaled already; MUMPS's own scaling takes as long as its factorisation.
+        "mumps_scaling": 0,
+        "mumps_permuting_scaling": 0,
     } | (options or {})
     solver = ca.nlpsol(
         "solver",

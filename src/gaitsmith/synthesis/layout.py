@@ -27,7 +27,7 @@ class Layout:
     @property
     def outputs(self) -> int:
         """Number of outputs."""
-        return self.joints + 35
+        return self.joints + 39
 
     @property
     def position(self) -> int:
@@ -138,3 +138,16 @@ class Layout:
     def foot_forward(self) -> int:
         """Entry (0, 0) of the other sole's rotation."""
         return self.joints + 34
+
+    @property
+    def twist(self) -> int:
+        """Vertical moment about the centre of pressure times the normal force, over the weight, N·m.
+
+        Of the support sole, then of the other.
+        """
+        return self.joints + 35
+
+    @property
+    def load(self) -> int:
+        """Square of the normal force over the weight, N, on the support sole, then on the other."""
+        return self.joints + 37

@@ -27,9 +27,9 @@ from gaitsmith.synthesis.sqp import solve_sqp
 from gaitsmith.synthesis.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
-_ENOUGH = 0.9 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
+_ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
-_SELDOM = ("torque",)  # imposed only where the dense grid asks for it
+_SELDOM = ("torque", "friction", "yaw moment")  # imposed only where the dense grid asks for it
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
 _WARM = {

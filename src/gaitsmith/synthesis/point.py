@@ -122,6 +122,10 @@ def _expressions(biped: Biped) -> list[Any]:
         foot.position,
         ca.mtimes(foot.rotation, foot.velocity),
         sole[0, 0],
+        ca.dot(moment, force) / biped.weight,
+        ca.dot(u[3:], u[:3]) / biped.weight,
+        force[2] ** 2 / biped.weight,
+        u[2] ** 2 / biped.weight,
     )
     multipliers, weight = ca.SX.sym("l", layout.outputs), ca.SX.sym("w")
     jacobian = ca.jacobian(outputs, z)

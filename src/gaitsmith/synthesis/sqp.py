@@ -1,4 +1,4 @@
-"""Sequential quadratic programming from a warm start: exact Hessian in the null space of the equalities, DAQP."""
+"""Sequential quadratic programming from a warm start: exact Hessian, a sparse active set, DAQP where that fails."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 import scipy.linalg as sl
 import scipy.sparse as sp
 
+from gaitsmith.synthesis.active_set import ActiveStep, Held, active_set_step
 from gaitsmith.synthesis.assembly import Assembly
 from gaitsmith.synthesis.caller import Caller
 from gaitsmith.synthesis.ipopt import Progress, Solution, progress_of
@@ -19,7 +20,7 @@ from gaitsmith.synthesis.program import OBJECTIVE_SCALE, Program
 Array = npt.NDArray[np.float64]
 _NEAR = 0.1  # inequality rows this close to a bound take part in the quadratic program (shares of their range)
 _RANK = 1e-9  # relative; equality rows that depend on others
-_GAIN = 1e-4  # relative decrease of the objective that is not worth another step
+_GAIN = 1e-5  # relative decrease of the objective that is not worth another step
 _ROWS = 1e-3  # violation from which the last rows are settled without the objective
 _SETTLED = 1e-7
 _SETTLING = 12  # steps of that
@@ -35,7 +36,7 @@ def solve_sqp(
     deadline: float,
     report: Callable[[Progress], None] | None = None,
 ) -> Solution:
-    """Solve a program from nearby: objective to about 1e-5, rows to about 1e-9.
+    """Solve a program from nearby: objective to about 1e-6, rows to about 1e-9.
 
     Args:
         program: the program.
@@ -51,10 +52,8 @@ def solve_sqp(
     begin = time.perf_counter()
     assembly = Assembly(program)
     first_order, hessian = Caller(assembly.first_order), Caller(assembly.hessian)
-    equal = program.high - program.low <= 0.0
-    bounded = np.flatnonzero(~equal).astype(np.int64)
     ready = time.perf_counter()
-    x, lam = start.copy(), multipliers.copy()
+    x, lam, fallbacks = start.copy(), multipliers.copy(), 0
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
     for iteration in range(max_iterations + 1):
         gradient, rows, _ = first_order(x)
@@ -66,16 +65,21 @@ def solve_sqp(
             report(progress_of(program, iteration, objective / OBJECTIVE_SCALE, rows))
         hessian(x, np.zeros(0), 1.0, lam)
         upper = hessian.matrix(0)
-        H = (upper + sp.triu(upper, 1).T).tocsr()
-        found = _step(program, gradient, rows, jacobian, H, equal, bounded)
-        if found is None:
+        H = (upper + sp.triu(upper, 1).T + _PROXIMAL * sp.eye_array(len(x))).tocsr()
+        found = active_set_step(H, gradient, jacobian, program.low - rows, program.high - rows, lam)
+        fallbacks += found is None
+        dense = _dense_step(program, gradient, rows, jacobian, H) if found is None else None
+        if found is not None:
+            step, lam = found.step, found.multipliers
+        elif dense is not None:
+            step, lam = dense
+        else:
             status = "Quadratic_Program_Failed"
             break
-        step, lam = found
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
-        if violation < _ROWS and gain < _GAIN * abs(objective):
-            x, left = _settled(program, first_order, x + step, lam)
+        if violation < _ROWS and gain < _GAIN * abs(objective) and found is not None:
+            x, left = _settled(program, first_order, x + step, found, Held(H, jacobian[found.held]))
             solved = left < _SETTLED
             status = "Solve_Succeeded" if solved else "Restoration_Failed"
             break
@@ -87,45 +91,37 @@ def solve_sqp(
         if time.perf_counter() > deadline:
             status = "Maximum_Time_Exceeded"
             break
-    return Solution(x, solved, status, iteration, ready - begin, time.perf_counter() - ready, lam)
+    spent = time.perf_counter() - ready
+    return Solution(x, solved, status, iteration, ready - begin, spent, lam, fallbacks)
 
 
-def _settled(program: Program, first_order: Caller, x: Array, lam: Array) -> tuple[Array, float]:
-    """Smallest changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
-    equal = program.high - program.low <= 0.0
-    active = np.flatnonzero(equal | (np.abs(lam) > 1e-9))
-    left, factors = np.inf, None
+def _settled(
+    program: Program, first_order: Caller, x: Array, found: ActiveStep, conditions: Held
+) -> tuple[Array, float]:
+    """Small changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
+    held, left = found.held, np.inf
+    side = np.sign(found.multipliers[held])
+    goal = np.where(side < 0, program.low[held], program.high[held])
     for _ in range(_SETTLING):
         _, rows, _ = first_order(x)
-        goal = np.clip(rows, program.low, program.high)
-        push = np.flatnonzero(~equal & (lam > 1e-9))
-        pull = np.flatnonzero(~equal & (lam < -1e-9))
-        goal[push], goal[pull] = program.high[push], program.low[pull]
-        gap = (goal - rows)[active]
+        gap = goal - rows[held]
         left = float(np.abs(gap).max(initial=0.0))
         if left < 0.01 * _SETTLED:
             break
-        if factors is None:  # the rows are nearly straight on this scale: one factorisation serves all steps
-            A = first_order.matrix(2).tocsr()[active].toarray()
-            Q, R, order = sl.qr(A.T, mode="economic", pivoting=True)
-            diagonal = np.abs(np.diag(R))
-            rank = int(np.sum(diagonal > _RANK * diagonal[0]))
-            factors = (Q[:, :rank], R[:rank, :rank], order[:rank])
-        Q, R, order = factors
-        x = x + Q @ sl.solve_triangular(R, gap[order], trans="T")
+        x = x + conditions.towards(gap)  # the rows are nearly straight on this scale: one factorisation serves all steps
     return x, left
 
 
-def _step(
+def _dense_step(
     program: Program,
     gradient: Array,
     rows: Array,
     jacobian: sp.csr_matrix,
     H: sp.csr_matrix,
-    equal: npt.NDArray[np.bool_],
-    bounded: npt.NDArray[np.int64],
 ) -> tuple[Array, Array] | None:
-    """Step and multipliers of the quadratic program; None if it has no solution."""
+    """Step and multipliers of the quadratic program in the null space of the equalities; None without a solution."""
+    equal = program.high - program.low <= 0.0
+    bounded = np.flatnonzero(~equal).astype(np.int64)
     A, b = jacobian[np.flatnonzero(equal)].toarray(), program.low[equal] - rows[equal]
     # Column-pivoted QR of Aᵀ: the range of Aᵀ, and the null space in which the step is free.
     Q, R, order = sl.qr(A.T, mode="full", pivoting=True)

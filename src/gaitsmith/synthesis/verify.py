@@ -122,6 +122,9 @@ class _Recorder:
                 support, u = support * flip, u * flip
             o[layout.force : layout.force + 6, k] = support
             z[layout.wrench :, k] = u
+            for place, w in enumerate((support, u)):
+                o[layout.twist + place, k] = w[3:] @ w[:3] / biped.weight
+                o[layout.load + place, k] = w[2] ** 2 / biped.weight
             if phase.double:
                 self._closure(verdict)
             verdict.dynamics_residual = max(
