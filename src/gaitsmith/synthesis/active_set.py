@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 _SOFT = 1e-10  # of a row per unit of its multiplier: rows that depend on others do not make the matrix singular
 _BEYOND = 1e-8  # of a row's range; what counts as beyond a bound
-_RIDGE = 1e-11  # relative; bounds in doubt that depend on each other
+_RIDGE = 1e-8  # relative; bounds in doubt that depend on each other
 _ROUNDS = 12
 _DOUBTS = 300
 
@@ -101,24 +101,23 @@ def active_set_step(
         pushes = conditions.pushed(sp.diags(turn) @ jacobian[doubt])
         while True:
             weights = _small(sp.diags(turn) @ jacobian[doubt], pushes[:n], base[:n], turn, low[doubt], high[doubt])
-            if weights is None:
+            if weights is None or len(doubt) > _DOUBTS:
                 return None
             found = base - pushes @ weights
+            lam = np.zeros(len(low))
+            lam[held] = found[n:]
+            # Bounds to let go of come first: held against their will they push the step beyond many others.
+            wrong = np.flatnonzero(side * lam < 0.0)
             change = jacobian @ found[:n]
             free = ~equal & (side == 0)
             free[doubt] = False
             new = np.flatnonzero(free & ((change > high + _BEYOND) | (change < low - _BEYOND)))
-            if len(new) == 0:
+            if len(wrong) or not len(new):
                 break
-            if len(doubt) + len(new) > _DOUBTS:
-                return None
             sign = np.where(change[new] > high[new], 1.0, -1.0)
             pushes = np.hstack([pushes, conditions.pushed(sp.diags(sign) @ jacobian[new])])
             doubt, turn = np.concatenate([doubt, new]), np.concatenate([turn, sign])
-        lam = np.zeros(len(low))
-        lam[held] = found[n:]
-        wrong = np.flatnonzero(side * lam < 0.0)
-        if len(wrong) == 0:
+        if not len(wrong):
             lam[doubt] = turn * weights
             met = np.concatenate([held, doubt[weights > 0.0]])
             return ActiveStep(found[:n], lam, np.sort(met)) if np.isfinite(found).all() else None

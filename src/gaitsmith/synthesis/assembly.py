@@ -99,15 +99,26 @@ class Assembly:
     @cached_property
     def hessian(self) -> Any:
         """(x, p, factor of the objective, multipliers) -> upper triangle of the Lagrangian's Hessian."""
+        layout, program = self.program.functions.layout, self.program
+        factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", program.rows)
+        on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, program.points.count)
+        on_outputs = on_outputs + factor * self._torque_slope(self._o[: layout.joints, :])
+        found = ca.triu(self._curvature(on_outputs, factor))
+        return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
+
+    @cached_property
+    def gauss_newton(self) -> Any:
+        """X -> upper triangle of the objective's Hessian without the curvature of the torques: never negative."""
+        flat = ca.MX(self.program.functions.layout.outputs, self.program.points.count)
+        return ca.Function("gauss_newton", [self.x], [ca.triu(self._curvature(flat, ca.MX(1.0)))])
+
+    def _curvature(self, on_outputs: Any, factor: Any) -> Any:
+        """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
         layout, program, fun = self.program.functions.layout, self.program, self.program.functions
         count = program.points.count
-        factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", program.rows)
-        on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, count)
-        on_outputs = on_outputs + factor * self._torque_slope(self._o[: layout.joints, :])
         blocks = fun.hessian.map(count)(self._z, self._pivots, on_outputs, factor * self._weight)
         H = ca.sparsity_cast(blocks, _blocks(fun.hessian.sparsity_out(0), count))
         u_part = np.zeros((layout.inputs, count))
         u_part[layout.wrench :, :] = 2 * program.wrench_weight * program.points.weight * OBJECTIVE_SCALE
         constant = _sparse(program.inputs.T @ sp.diags(u_part.T.ravel()) @ program.inputs)
-        full = ca.mtimes(ca.mtimes(self._B.T, H), self._B) + factor * constant
-        return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [ca.triu(full)])
+        return ca.mtimes(ca.mtimes(self._B.T, H), self._B) + factor * constant

@@ -25,7 +25,8 @@ class Caller:
         self._buffer, self._call = function.buffer()
         self._arguments: list[Any] = [np.zeros(function.nnz_in(k)) for k in range(function.n_in())]
         self.results: list[Any] = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
-        self._patterns = [function.sparsity_out(k) for k in range(function.n_out())]
+        patterns = [function.sparsity_out(k) for k in range(function.n_out())]
+        self._patterns = [(np.array(p.row()), np.array(p.colind()), (p.size1(), p.size2())) for p in patterns]
         for k, array in enumerate(self._arguments):
             self._buffer.set_arg(k, memoryview(array))
         for k, array in enumerate(self.results):
@@ -40,6 +41,5 @@ class Caller:
 
     def matrix(self, output: int) -> sp.csc_matrix:
         """An output of the last call as a sparse matrix that shares its memory."""
-        pattern = self._patterns[output]
-        shape = (pattern.size1(), pattern.size2())
-        return sp.csc_matrix((self.results[output], np.array(pattern.row()), np.array(pattern.colind())), shape=shape)
+        row, colind, shape = self._patterns[output]
+        return sp.csc_matrix((self.results[output], row, colind), shape=shape)

@@ -51,7 +51,9 @@ def solve_sqp(
     """
     begin = time.perf_counter()
     assembly = Assembly(program)
-    first_order, hessian = Caller(assembly.first_order), Caller(assembly.hessian)
+    first_order, hessian, convex = (
+        Caller(item) for item in (assembly.first_order, assembly.hessian, assembly.gauss_newton)
+    )
     ready = time.perf_counter()
     x, lam, fallbacks = start.copy(), multipliers.copy(), 0
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
@@ -63,19 +65,23 @@ def solve_sqp(
         objective = program.objective(z, o) * OBJECTIVE_SCALE
         if report is not None:
             report(progress_of(program, iteration, objective / OBJECTIVE_SCALE, rows))
-        hessian(x, np.zeros(0), 1.0, lam)
-        upper = hessian.matrix(0)
-        H = (upper + sp.triu(upper, 1).T + _PROXIMAL * sp.eye_array(len(x))).tocsr()
-        found = active_set_step(H, gradient, jacobian, program.low - rows, program.high - rows, lam)
-        fallbacks += found is None
-        dense = _dense_step(program, gradient, rows, jacobian, H) if found is None else None
+        bounds = program.low - rows, program.high - rows
+        found = None
+        if iteration:
+            H = _whole(hessian, x, np.zeros(0), 1.0, lam)
+            found = active_set_step(H, gradient, jacobian, *bounds, lam)
+        if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
+            H = _whole(convex, x)
+            found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is not None:
             step, lam = found.step, found.multipliers
-        elif dense is not None:
-            step, lam = dense
         else:
-            status = "Quadratic_Program_Failed"
-            break
+            fallbacks += 1
+            dense = _dense_step(program, gradient, rows, jacobian, _whole(hessian, x, np.zeros(0), 1.0, lam))
+            if dense is None:
+                status = "Quadratic_Program_Failed"
+                break
+            step, lam = dense
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
         if violation < _ROWS and gain < _GAIN * abs(objective) and found is not None:
@@ -93,6 +99,13 @@ def solve_sqp(
             break
     spent = time.perf_counter() - ready
     return Solution(x, solved, status, iteration, ready - begin, spent, lam, fallbacks)
+
+
+def _whole(curvature: Caller, *arguments: Array | float) -> sp.csr_matrix:
+    """A Hessian with a little curvature added, both triangles."""
+    curvature(*arguments)
+    upper = curvature.matrix(0)
+    return (upper + sp.triu(upper, 1).T + _PROXIMAL * sp.eye_array(upper.shape[0])).tocsr()
 
 
 def _settled(
