@@ -34,11 +34,13 @@ class ActiveStep:
         step: (n,) change of the unknowns.
         multipliers: (rows,) of equalities and bounds; positive at an upper bound.
         held: (k,) rows that hold with equality.
+        conditions: factorised with those rows.
     """
 
     step: Array
     multipliers: Array
     held: Indices
+    conditions: Held
 
 
 class Held:
@@ -119,8 +121,12 @@ def active_set_step(
             doubt, turn = np.concatenate([doubt, new]), np.concatenate([turn, sign])
         if not len(wrong):
             lam[doubt] = turn * weights
-            met = np.concatenate([held, doubt[weights > 0.0]])
-            return ActiveStep(found[:n], lam, np.sort(met)) if np.isfinite(found).all() else None
+            if not np.isfinite(found).all():
+                return None
+            if not (weights > 0.0).any():
+                return ActiveStep(found[:n], lam, held, conditions)
+            met = np.sort(np.concatenate([held, doubt[weights > 0.0]]))
+            return ActiveStep(found[:n], lam, met, Held(H, jacobian[met]))
         doubt, turn = np.concatenate([doubt, wrong]), np.concatenate([turn, side[wrong].astype(np.float64)])
         side[wrong] = 0
     return None

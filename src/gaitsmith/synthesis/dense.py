@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.bounds import Bound
-from gaitsmith.synthesis.closure import local_inputs, phase_pieces
+from gaitsmith.synthesis.closure import LocalPiece, local_inputs, phase_pieces
 from gaitsmith.synthesis.layout import Layout
 from gaitsmith.synthesis.point import PointFunctions
 from gaitsmith.synthesis.program import Pick
@@ -55,11 +55,13 @@ class DenseCheck:
         times: (N,) s.
         violations: (bounds, N) share of the span.
         values: (bounds, N).
+        pieces: the phase's curves as they will be stored.
     """
 
     times: Array
     violations: Array
     values: Array
+    pieces: list[LocalPiece]
 
 
 def check(trans: Transcription, functions: PointFunctions, x: Array, count: int) -> list[DenseCheck]:
@@ -72,7 +74,7 @@ def check(trans: Transcription, functions: PointFunctions, x: Array, count: int)
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)))
         table = BoundTable(trans.layout, trans.bounds[phase])
         values = table.values(o, z, trans.share(phase, times))
-        found.append(DenseCheck(times, table.violations(values), values))
+        found.append(DenseCheck(times, table.violations(values), values, pieces))
     return found
 
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.biped import Biped, biped_from
 from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
-from gaitsmith.synthesis.closure import finished_pieces, phase_pieces
+from gaitsmith.synthesis.closure import finished_pieces
 from gaitsmith.synthesis.dense import DenseCheck, check, new_picks, with_times, worst_violation
 from gaitsmith.synthesis.failure import explain, out_of_reach
 from gaitsmith.synthesis.gait import Gait
@@ -30,6 +30,7 @@ Array = npt.NDArray[np.float64]
 _ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
 _SELDOM = ("torque", "friction", "yaw moment")  # imposed only where the dense grid asks for it
+_NEAR = 0.3  # of a bound's range
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
 _WARM = {
@@ -55,6 +56,7 @@ class PlanResult:
         objective: J of eq. (16).
         iterations: of all solves together.
         rounds: how often points were added.
+        fallbacks: how often a slower method had to take over.
         times: s: setup, compile, solve, check.
         variables: unknowns.
         constraints: rows of the last program.
@@ -69,6 +71,7 @@ class PlanResult:
     objective: float
     iterations: int
     rounds: int
+    fallbacks: int
     times: dict[str, float]
     variables: int
     constraints: int
@@ -97,6 +100,7 @@ class _Tally:
     x: Array
     picks: list[Pick]
     found: Solution
+    fallbacks: int
 
     def result(self, status: str, reason: str, worst: list[Worst], gait: Gait | None = None) -> PlanResult:
         """The result of planning."""
@@ -107,6 +111,7 @@ class _Tally:
             self.objective,
             self.iterations,
             self.rounds,
+            self.fallbacks,
             self.times,
             self.trans.size,
             self.program.rows,
@@ -157,7 +162,7 @@ class Planner:
         impossible = out_of_reach(trans)
         if impossible:
             times = {"setup": time.perf_counter() - begin, "compile": 0.0, "solve": 0.0, "check": 0.0}
-            return PlanResult("not solved", impossible, None, np.nan, 0, 0, times, trans.size, 0, [], np.zeros(0))
+            return PlanResult("not solved", impossible, None, np.nan, 0, 0, 0, times, trans.size, 0, [], np.zeros(0))
         base = trans.points()
         found: Solution | None = None
         if neighbour is not None and len(neighbour.x) == trans.size:
@@ -171,7 +176,7 @@ class Planner:
             ]
             x = default_start(trans) if start is None else start
         times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
-        iterations, rounds = 0, 0
+        iterations, rounds, fallbacks = 0, 0, 0
         deadline = begin + settings.time_limit
         self._compile_s = 0.0
         times["setup"] += time.perf_counter() - begin
@@ -181,11 +186,14 @@ class Planner:
             program = make_program(trans, self.functions, points, picks)
             found = self._solve(program, found, x, settings, deadline, rounds, report)
             iterations += found.iterations
+            fallbacks += found.fallbacks
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
             z, o = program.evaluate(x)
-            tally = _Tally(program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found)
+            tally = _Tally(
+                program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found, fallbacks
+            )
             if not found.solved:
                 return tally.result("not solved", explain(trans, program, found, time.perf_counter() > deadline), [])
             clock = time.perf_counter()
@@ -203,7 +211,8 @@ class Planner:
             rounds += 1
         worst = certificate(trans, checks)
         clock = time.perf_counter()
-        gait = self._gait(trans, x, worst, found, tally.objective)
+        tally = replace(tally, **near_picks(program, picks, found, o))
+        gait = self._gait(trans, x, worst, checks, tally)
         times["check"] += time.perf_counter() - clock
         return tally.result("solved", "", worst, gait)
 
@@ -223,27 +232,30 @@ class Planner:
             multipliers = np.zeros(program.rows)
             count = min(program.rows, len(last.multipliers))
             multipliers[:count] = last.multipliers[:count]
-            found = solve_sqp(program, x, multipliers, _WARM_ITERATIONS, deadline, tell)
+            found = solve_sqp(program, x, multipliers, _WARM_ITERATIONS, deadline, rounds > 0, tell)
             if found.solved or time.perf_counter() > deadline:
                 return found
         left = max(deadline - time.perf_counter(), 0.01)
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
         options = _WARM if last is not None else None
         cold = solve_ipopt(program, x, tolerance, settings.max_iterations, left, tell, options)
-        return cold if last is None else replace(cold, iterations=cold.iterations + found.iterations)
+        if last is None:
+            return cold
+        return replace(cold, iterations=cold.iterations + found.iterations, fallbacks=found.fallbacks + 1)
 
-    def _gait(self, trans: Transcription, x: Array, worst: list[Worst], found: Solution, objective: float) -> Gait:
+    def _gait(
+        self, trans: Transcription, x: Array, worst: list[Worst], checks: list[DenseCheck], tally: _Tally
+    ) -> Gait:
         """The gait in the robot's own order and world axes."""
         robot = self.biped.robot
-        pieces = []
-        for phase in range(len(trans.motion.phases)):
-            local = phase_pieces(trans, self.functions, x, phase)
-            pieces.append(finished_pieces(trans, self.functions, x, phase, local))
+        pieces = [finished_pieces(trans, self.functions, x, phase, item.pieces) for phase, item in enumerate(checks)]
         solver: dict[str, Any] = {
-            "name": "IPOPT",
-            "status": found.status,
-            "iterations": found.iterations,
-            "objective": objective,
+            "name": "IPOPT, SQP",
+            "status": tally.found.status,
+            "iterations": tally.iterations,
+            "rounds": tally.rounds,
+            "fallbacks": tally.fallbacks,
+            "objective": tally.objective,
             "unknowns": x.tolist(),
         }
         return Gait(
@@ -265,6 +277,19 @@ def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
     for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values)
     return ranked(found)
+
+
+def near_picks(program: Program, picks: list[Pick], found: Solution, o: Array) -> dict[str, Any]:
+    """The picks that lie near their bounds, and the solution's multipliers without those of the others.
+
+    A neighbour starts with these; the dense grid sees to the rest.
+    """
+    first = program.rows - len(picks)
+    rows = program.constraint(found.x, o)
+    room = np.minimum(program.high - rows, rows - program.low)[first:]
+    keep = np.flatnonzero(room < _NEAR)
+    multipliers = np.concatenate([found.multipliers[:first], found.multipliers[first:][keep]])
+    return {"picks": [picks[k] for k in keep], "found": replace(found, multipliers=multipliers)}
 
 
 def scaled_picks(picks: list[Pick], old: Array, new: Array) -> list[Pick]:

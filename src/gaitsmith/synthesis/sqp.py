@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import cached_property
 
 import daqp
 import numpy as np
@@ -11,7 +12,7 @@ import numpy.typing as npt
 import scipy.linalg as sl
 import scipy.sparse as sp
 
-from gaitsmith.synthesis.active_set import ActiveStep, Held, active_set_step
+from gaitsmith.synthesis.active_set import ActiveStep, active_set_step
 from gaitsmith.synthesis.assembly import Assembly
 from gaitsmith.synthesis.caller import Caller
 from gaitsmith.synthesis.ipopt import Progress, Solution, progress_of
@@ -34,6 +35,7 @@ def solve_sqp(
     multipliers: Array,
     max_iterations: int,
     deadline: float,
+    new_bounds: bool,
     report: Callable[[Progress], None] | None = None,
 ) -> Solution:
     """Solve a program from nearby: objective to about 1e-6, rows to about 1e-9.
@@ -44,16 +46,15 @@ def solve_sqp(
         multipliers: of the rows, to start from.
         max_iterations: before it gives up.
         deadline: reading of ``time.perf_counter`` at which it gives up.
+        new_bounds: the program has bounds that the start violates: the first step is then a convex one.
         report: called at every iteration.
 
     Returns:
         A solution whose ``solved`` is False when the start was too far away; the caller then solves it cold.
     """
     begin = time.perf_counter()
-    assembly = Assembly(program)
-    first_order, hessian, convex = (
-        Caller(item) for item in (assembly.first_order, assembly.hessian, assembly.gauss_newton)
-    )
+    derivatives = _Derivatives(program)
+    first_order = derivatives.first_order
     ready = time.perf_counter()
     x, lam, fallbacks = start.copy(), multipliers.copy(), 0
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
@@ -67,17 +68,17 @@ def solve_sqp(
             report(progress_of(program, iteration, objective / OBJECTIVE_SCALE, rows))
         bounds = program.low - rows, program.high - rows
         found = None
-        if iteration:
-            H = _whole(hessian, x, np.zeros(0), 1.0, lam)
+        if iteration or not new_bounds:
+            H = derivatives.exact(x, lam)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            H = _whole(convex, x)
+            H = derivatives.convex(x)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is not None:
             step, lam = found.step, found.multipliers
         else:
             fallbacks += 1
-            dense = _dense_step(program, gradient, rows, jacobian, _whole(hessian, x, np.zeros(0), 1.0, lam))
+            dense = _dense_step(program, gradient, rows, jacobian, derivatives.exact(x, lam))
             if dense is None:
                 status = "Quadratic_Program_Failed"
                 break
@@ -85,7 +86,7 @@ def solve_sqp(
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
         if violation < _ROWS and gain < _GAIN * abs(objective) and found is not None:
-            x, left = _settled(program, first_order, x + step, found, Held(H, jacobian[found.held]))
+            x, left = _settled(program, first_order, x + step, found)
             solved = left < _SETTLED
             status = "Solve_Succeeded" if solved else "Restoration_Failed"
             break
@@ -101,16 +102,38 @@ def solve_sqp(
     return Solution(x, solved, status, iteration, ready - begin, spent, lam, fallbacks)
 
 
-def _whole(curvature: Caller, *arguments: Array | float) -> sp.csr_matrix:
-    """A Hessian with a little curvature added, both triangles."""
-    curvature(*arguments)
-    upper = curvature.matrix(0)
+class _Derivatives:
+    """A program's derivatives on NumPy arrays, each built when it is first asked for."""
+
+    def __init__(self, program: Program) -> None:
+        self._assembly = Assembly(program)
+        self.first_order = Caller(self._assembly.first_order)
+
+    @cached_property
+    def _exact(self) -> Caller:
+        return Caller(self._assembly.hessian)
+
+    @cached_property
+    def _convex(self) -> Caller:
+        return Caller(self._assembly.gauss_newton)
+
+    def exact(self, x: Array, multipliers: Array) -> sp.csr_matrix:
+        """(n, n) curvature of the Lagrangian."""
+        self._exact(x, np.zeros(0), 1.0, multipliers)
+        return _whole(self._exact.matrix(0))
+
+    def convex(self, x: Array) -> sp.csr_matrix:
+        """(n, n) curvature that is positive in all directions."""
+        self._convex(x)
+        return _whole(self._convex.matrix(0))
+
+
+def _whole(upper: sp.csc_matrix) -> sp.csr_matrix:
+    """Both triangles, with a little curvature added."""
     return (upper + sp.triu(upper, 1).T + _PROXIMAL * sp.eye_array(upper.shape[0])).tocsr()
 
 
-def _settled(
-    program: Program, first_order: Caller, x: Array, found: ActiveStep, conditions: Held
-) -> tuple[Array, float]:
+def _settled(program: Program, first_order: Caller, x: Array, found: ActiveStep) -> tuple[Array, float]:
     """Small changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
     held, left = found.held, np.inf
     side = np.sign(found.multipliers[held])
@@ -121,7 +144,9 @@ def _settled(
         left = float(np.abs(gap).max(initial=0.0))
         if left < 0.01 * _SETTLED:
             break
-        x = x + conditions.towards(gap)  # the rows are nearly straight on this scale: one factorisation serves all steps
+        x = x + found.conditions.towards(
+            gap
+        )  # the rows are nearly straight on this scale: one factorisation serves all steps
     return x, left
 
 
