@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,9 @@ from gaitsmith.synthesis.transcription import Points, Transcription
 Array = npt.NDArray[np.float64]
 _TIGHTEST = 0.05
 _SPARE = 4e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
+_CLOSE = 0.02  # of a bound's range: what a neighbour may well meet
+_ENDS = 0.03  # share of a phase that counts as its end
+_PEAKS = 4
 _SAME = 0.02  # share of a phase within which two instants count as one
 
 
@@ -86,32 +90,55 @@ def worst_violation(checks: list[DenseCheck]) -> float:
 def new_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick], tolerance: float) -> list[Pick]:
     """The picks with an instant added, or tightened, at every local worst violation above ``tolerance``."""
     found = list(picks)
-    known: dict[tuple[int, int], list[int]] = {}
-    for index, pick in enumerate(found):
-        known.setdefault((pick.phase, pick.bound), []).append(index)
-    for phase, item in enumerate(checks):
-        length = trans.motion.phases[phase].duration
-        last = len(item.times) - 1
-        for bound in np.flatnonzero(item.violations.max(axis=1) > tolerance):
-            v = item.violations[bound]
-            if trans.bounds[phase][bound].interior:
-                v = v.copy()
-                v[[0, last]] = -1.0
-            above = [int(k) for k in np.flatnonzero(v > tolerance)]
-            peaks = [k for k in above if v[k] >= v[max(k - 1, 0)] and v[k] > v[min(k + 1, last)]]
-            peaks = peaks or [int(np.argmax(v))]
-            for k in sorted(peaks, key=lambda k: -v[k])[:4]:
-                near = [
-                    i for i in known.get((phase, int(bound)), []) if abs(found[i].time - item.times[k]) < _SAME * length
-                ]
-                if near:
-                    i = min(near, key=lambda i: abs(found[i].time - item.times[k]))
-                    old = found[i]
-                    found[i] = Pick(old.phase, old.bound, old.time, min(old.tighten + 1.2 * float(v[k]), _TIGHTEST))
-                else:
-                    known.setdefault((phase, int(bound)), []).append(len(found))
-                    found.append(Pick(phase, int(bound), float(item.times[k]), _SPARE))
+    for phase, bound, k in _peaks(trans, checks, tolerance, 0.0):
+        violation, time = float(checks[phase].violations[bound, k]), float(checks[phase].times[k])
+        near = _near(trans, found, phase, bound, time)
+        if near is None:
+            found.append(Pick(phase, bound, time, _SPARE))
+        else:
+            old = found[near]
+            found[near] = Pick(phase, bound, old.time, min(old.tighten + 1.2 * violation, _TIGHTEST))
     return found
+
+
+def close_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick]) -> list[Pick]:
+    """The picks with every instant added at which a bound is nearly met, for neighbours in which it may be."""
+    found = list(picks)
+    for phase, bound, k in _peaks(trans, checks, -_CLOSE, _ENDS):
+        time = float(checks[phase].times[k])
+        if _near(trans, found, phase, bound, time) is None:
+            found.append(Pick(phase, bound, time))
+    return found
+
+
+def _peaks(
+    trans: Transcription, checks: list[DenseCheck], tolerance: float, ends: float
+) -> Iterator[tuple[int, int, int]]:
+    """Phase, bound and instant of local worst violations, at most four of a bound and phase, the worst first.
+
+    ``ends``: share of a phase that is left out at both ends, where a foot at rest and no load sit on their bounds.
+    """
+    for phase, item in enumerate(checks):
+        last = len(item.times) - 1
+        for bound in np.flatnonzero(item.violations.max(axis=1) > tolerance).tolist():
+            v = item.violations[bound].copy()
+            if ends or trans.bounds[phase][bound].interior:
+                v[: int(ends * last) + 1], v[last - int(ends * last) :] = -np.inf, -np.inf
+            before, after = np.append(-np.inf, v[:-1]), np.append(v[1:], -np.inf)
+            peaks = np.flatnonzero((v > tolerance) & (v >= before) & (v > after))
+            for k in sorted(peaks.tolist(), key=lambda k: -v[k])[:_PEAKS]:
+                yield phase, bound, k
+
+
+def _near(trans: Transcription, picks: list[Pick], phase: int, bound: int, time: float) -> int | None:
+    """Index of the pick of the same bound that is as good as at the same time."""
+    within = _SAME * trans.motion.phases[phase].duration
+    near = [
+        (abs(pick.time - time), index)
+        for index, pick in enumerate(picks)
+        if pick.bound == bound and pick.phase == phase and abs(pick.time - time) < within
+    ]
+    return min(near)[1] if near else None
 
 
 def with_times(trans: Transcription, points: Points, picks: list[Pick]) -> Points:

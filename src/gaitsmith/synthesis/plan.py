@@ -14,7 +14,7 @@ from gaitsmith.robots import Robot
 from gaitsmith.synthesis.biped import Biped, biped_from
 from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
 from gaitsmith.synthesis.closure import finished_pieces
-from gaitsmith.synthesis.dense import DenseCheck, check, new_picks, with_times, worst_violation
+from gaitsmith.synthesis.dense import DenseCheck, check, close_picks, new_picks, with_times, worst_violation
 from gaitsmith.synthesis.failure import explain, out_of_reach
 from gaitsmith.synthesis.gait import Gait
 from gaitsmith.synthesis.guess import default_start
@@ -30,7 +30,7 @@ Array = npt.NDArray[np.float64]
 _ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
 _SELDOM = ("torque", "friction", "yaw moment")  # imposed only where the dense grid asks for it
-_NEAR = 0.3  # of a bound's range
+_NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
 _WARM = {
@@ -211,7 +211,8 @@ class Planner:
             rounds += 1
         worst = certificate(trans, checks)
         clock = time.perf_counter()
-        tally = replace(tally, **near_picks(program, picks, found, o))
+        near, found = near_picks(program, picks, found, o)
+        tally = replace(tally, picks=close_picks(trans, checks, near), found=found)
         gait = self._gait(trans, x, worst, checks, tally)
         times["check"] += time.perf_counter() - clock
         return tally.result("solved", "", worst, gait)
@@ -279,17 +280,18 @@ def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
     return ranked(found)
 
 
-def near_picks(program: Program, picks: list[Pick], found: Solution, o: Array) -> dict[str, Any]:
+def near_picks(program: Program, picks: list[Pick], found: Solution, o: Array) -> tuple[list[Pick], Solution]:
     """The picks that lie near their bounds, and the solution's multipliers without those of the others.
 
-    A neighbour starts with these; the dense grid sees to the rest.
+    A neighbour starts with these, and with the instants at which it may meet its bounds; the dense grid sees
+    to the rest.
     """
     first = program.rows - len(picks)
     rows = program.constraint(found.x, o)
     room = np.minimum(program.high - rows, rows - program.low)[first:]
     keep = np.flatnonzero(room < _NEAR)
     multipliers = np.concatenate([found.multipliers[:first], found.multipliers[first:][keep]])
-    return {"picks": [picks[k] for k in keep], "found": replace(found, multipliers=multipliers)}
+    return [picks[k] for k in keep], replace(found, multipliers=multipliers)
 
 
 def scaled_picks(picks: list[Pick], old: Array, new: Array) -> list[Pick]:
