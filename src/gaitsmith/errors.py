@@ -12,7 +12,7 @@ class BadInput(GaitsmithError):
 
     Args:
         field: what was wrong, named as the user wrote it (``"--height"``, ``"card.toml: legs[0].sole.toe"``).
-        value: the value that was given.
+        value: the value that was given; None if there was none.
         valid: the valid range or the valid choices, in words.
         remedy: what to do about it, in words; empty if the valid range says it all.
     """
@@ -22,7 +22,7 @@ class BadInput(GaitsmithError):
         self.value = value
         self.valid = valid
         self.remedy = remedy
-        shown = repr(value)
+        shown = "nothing" if value is None else repr(value)
         if len(shown) > 80:
             shown = shown[:77] + "..."
         message = f"{field}: got {shown}, expected {valid}"

@@ -1,11 +1,14 @@
-"""Reading with a bound, writing whole or not at all, and folders that must be new."""
+"""Reading with a bound, writing whole or not at all, and keeping Ctrl-C out of what must not stop half-way."""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import secrets
+import signal
 import stat
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 from gaitsmith.errors import BadInput
@@ -40,9 +43,9 @@ def write_bytes_atomic(path: str | Path, content: bytes) -> None:
     """Write a file whole: a reader sees the old content or the new, also after a crash.
 
     Raises:
-        BadInput: the folder is missing or cannot be written.
+        BadInput: the folder is missing or cannot be written, or :func:`regular_target` refuses the path.
     """
-    target = Path(path)
+    target = regular_target(path)
     temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}.part")
     try:
         handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
@@ -64,6 +67,52 @@ def write_bytes_atomic(path: str | Path, content: bytes) -> None:
 def write_text_atomic(path: str | Path, text: str) -> None:
     """As :func:`write_bytes_atomic`, for text in UTF-8."""
     write_bytes_atomic(path, text.encode("utf-8"))
+
+
+def regular_target(path: str | Path) -> Path:
+    """Absolute path of the file that writing replaces or creates; a link is followed to the file that it names.
+
+    Raises:
+        BadInput: the path ends without a file name, or a folder, a device, a pipe or a broken ring of links is there.
+    """
+    shown = str(path)
+    if os.path.basename(shown) in ("", ".", ".."):
+        raise BadInput(shown, "a folder", "the name of a file")
+    try:
+        target = Path(os.path.realpath(shown))
+        mode = os.lstat(target).st_mode
+    except FileNotFoundError:
+        return target
+    except (OSError, ValueError) as error:
+        raise BadInput(shown, _reason(error), "a file that can be written") from None
+    if not stat.S_ISREG(mode):
+        found = "a folder" if stat.S_ISDIR(mode) else "something that is no file"
+        raise BadInput(shown, found, "a regular file, or a name that is free")
+    return target
+
+
+def why_unwritable(folder: Path) -> str:
+    """Why nothing can be created in a folder, in words; empty where something can."""
+    probe = folder / f".gaitsmith.{secrets.token_hex(6)}"
+    try:
+        os.mkdir(probe)  # modes don't tell of /proc, of read-only disks, of full ones
+        os.rmdir(probe)
+    except (OSError, ValueError) as error:
+        return _reason(error)
+    return ""
+
+
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Ignore Ctrl-C, here and in processes started meanwhile; elsewhere than in the main thread it cannot come."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _sync_folder(folder: Path) -> None:

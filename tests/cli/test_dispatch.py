@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from gaitsmith.cli import dispatch
-from gaitsmith.cli.dispatch import Command, Outcome, main
+from gaitsmith.cli import dispatch, main
+from gaitsmith.cli.dispatch import Command, Outcome
 from gaitsmith.cli.printing import Printer
 from gaitsmith.errors import BadInput, CacheRefused
 
@@ -66,7 +66,7 @@ def test_what_is_not_finite_is_null(trial: Any, capsys: pytest.CaptureFixture[st
     [
         (BadInput("--height", 3, "0.4 to 0.72 m", "lower it"), 2, "--height: got 3, expected 0.4 to 0.72 m; lower it"),
         (CacheRefused("cache folder x: owned by user 7"), 2, "owned by user 7"),
-        (ValueError("two\nlines"), 3, "GAITSMITH_DEBUG=1"),
+        (ValueError("two\nlines"), 70, "GAITSMITH_DEBUG=1"),
         (KeyboardInterrupt(), 130, "interrupted"),
     ],
 )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gaitsmith.cli.dispatch import main
+from gaitsmith.cli import main
 from gaitsmith.robots import load_robot, robot_names
 
 CARD = load_robot("bhr_b2").model_path.parent

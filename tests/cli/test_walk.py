@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gaitsmith.cli import main
 from gaitsmith.cli.arguments import parse
-from gaitsmith.cli.dispatch import main
 from gaitsmith.cli.run_folder import check_new_folder
 from gaitsmith.cli.scenario_file import scenario_toml
 from gaitsmith.cli.walk import WalkArguments, scenario_from

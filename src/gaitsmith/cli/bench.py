@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 from gaitsmith.cli.arguments import Repeatable, integer, number, parse, text
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome
+from gaitsmith.files import uninterrupted
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,8 @@ def _measure(name: str, arguments: Any) -> Outcome:
             progress.update(task, completed=done, total=total, description=what)
 
         result = experiment(**options, progress=advance)
-    _draw_grids(result.document, options)
+    with uninterrupted():  # the figures belong to what is recorded already
+        _draw_grids(result.document, options)
     return Outcome(INTERRUPTED if result.interrupted else DONE, result.document, lambda: _print_result(result))
 
 

@@ -1,6 +1,10 @@
 """The command ``gaitsmith``: finds the command, and turns every outcome into an exit code and what is printed.
 
-Only the chosen command's module is imported, and it imports the engine only when it runs: help stays fast.
+Only the chosen command's module is imported, and it imports the engine only when it runs, or when its help shows the
+engine's own defaults: other help stays fast.
+
+Exit codes: 0 done; 1 the robot fell, or a gait file is not right; 2 bad input; 3 not solved or not certified; 70 an
+error of the package itself (EX_SOFTWARE); 130 Ctrl-C.
 """
 
 from __future__ import annotations
@@ -10,19 +14,18 @@ import io
 import json
 import math
 import os
-import signal
 import sys
-import threading
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, TextIO
 
 import gaitsmith
+from gaitsmith.cli.interrupts import Interrupts
 from gaitsmith.errors import BadInput, GaitsmithError
 
-DONE, FELL, BAD_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 130
+DONE, FELL, BAD_INPUT, NOT_SOLVED, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 70, 130
 
 
 @dataclass(frozen=True)
@@ -64,19 +67,11 @@ COMMANDS: dict[tuple[str, ...], Command] = {
 }
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Run one command line.
-
-    Args:
-        words: the command line without the program's name, ``sys.argv[1:]`` if None.
-
-    Returns:
-        0 done, 1 the robot fell, 2 bad input, 3 an error of the package itself, 130 interrupted.
-    """
-    words = list(sys.argv[1:] if words is None else words)
+def run(words: list[str], interrupts: Interrupts) -> int:
+    """Run one command line, and turn its end into an exit code and what is printed."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
-    with _streams() as out, _interrupts() as interrupts:
+    with _streams() as out:
         return _guarded(words, wants_json, out, interrupts)
 
 
@@ -93,64 +88,41 @@ def _streams() -> Iterator[TextIO]:
         yield sys.stdout
 
 
-@dataclass
-class _Interrupts:
-    """Whether Ctrl-C was pressed: a library may turn the exception of one into an error of its own."""
-
-    seen: bool = False
-
-
-@contextlib.contextmanager
-def _interrupts() -> Iterator[_Interrupts]:
-    """Ctrl-C is noted, besides raising KeyboardInterrupt as always."""
-    found = _Interrupts()
-    # An ignored Ctrl-C (a job in the background) stays ignored.
-    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if not usual or threading.current_thread() is not threading.main_thread():
-        yield found
-        return
-
-    def note(*_: object) -> None:
-        found.seen = True
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, note)
-    try:
-        yield found
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def _guarded(words: list[str], wants_json: bool, out: TextIO, interrupts: _Interrupts) -> int:
+def _guarded(words: list[str], wants_json: bool, out: TextIO, interrupts: Interrupts) -> int:
     """Run the command, and turn every exception into an exit code and a line."""
-    code = DONE
+    outcome = None
     try:
         with contextlib.redirect_stdout(sys.stderr) if wants_json else contextlib.nullcontext():
             outcome = _run(words)
-        code = outcome.code
         with _printing():
             if wants_json:
                 _print_json(outcome.document, out)
             else:
                 outcome.show()
             out.flush()
-        return code
+        return outcome.code
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else DONE
     except BrokenPipeError:
         _discard(out)
-        return code
+        return DONE if outcome is None else outcome.code
     except _Unwritable as error:
         _discard(out)
         return _failed(BAD_INPUT, str(error), False, out, {})
     except KeyboardInterrupt:
-        return _interrupted(wants_json, out)
+        return _interrupted(outcome, wants_json, out, interrupts)
     except Exception as error:
-        return _interrupted(wants_json, out) if interrupts.seen else _explained(error, wants_json, out)
+        if interrupts.seen:
+            return _interrupted(outcome, wants_json, out, interrupts)
+        return _explained(error, wants_json, out)
 
 
-def _interrupted(wants_json: bool, out: TextIO) -> int:
-    return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
+def _interrupted(outcome: Outcome | None, wants_json: bool, out: TextIO, interrupts: Interrupts) -> int:
+    """Say so; a command records what it has only when it is done, or says itself what it has kept."""
+    interrupts.over = True
+    if outcome is None:
+        return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
+    return _failed(INTERRUPTED, "interrupted while printing the result", False, out, {})
 
 
 def _explained(error: Exception, wants_json: bool, out: TextIO) -> int:
@@ -199,13 +171,14 @@ def _help(group: str | None) -> str:
     rows = "".join(f"  {' '.join(path):<16}{COMMANDS[path].summary}\n" for path in _members(group))
     head = f"usage: gaitsmith {group or 'COMMAND'}{' COMMAND' if group else ''} [OPTIONS]\n\n"
     tail = "\nEvery command has --help and --json. gaitsmith --version prints the version.\n"
-    codes = "Exit codes: 0 done, 1 the robot fell or verify failed, 2 bad input, 3 not solved, 130 interrupted.\n"
+    codes = "Exit codes: 0 done, 1 the robot fell or verify failed, 2 bad input, 3 not solved or not certified,\n"
+    codes += "70 internal error, 130 interrupted.\n"
     return head + rows + tail + codes
 
 
 def _failed(code: int, text: str, wants_json: bool, out: TextIO, details: dict[str, Any]) -> int:
     """One line on stderr, and with ``--json`` the same as a document."""
-    line = "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+    line = printable(" ".join(text.split()))
     with contextlib.suppress(OSError):
         sys.stderr.write(f"gaitsmith: {line}\n")
         sys.stderr.flush()
@@ -216,6 +189,11 @@ def _failed(code: int, text: str, wants_json: bool, out: TextIO, details: dict[s
         except OSError:
             _discard(out)
     return code
+
+
+def printable(text: str) -> str:
+    """The text with question marks for what a terminal would take as a command; names come from people's files."""
+    return text if text.isprintable() else "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
 
 
 def _print_json(document: dict[str, Any], out: TextIO) -> None:

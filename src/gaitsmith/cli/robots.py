@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Positional, parse, text
-from gaitsmith.cli.dispatch import DONE, Outcome
+from gaitsmith.cli.dispatch import DONE, Outcome, printable
 from gaitsmith.errors import BadInput
 
 if TYPE_CHECKING:
@@ -136,4 +136,4 @@ def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
 
 
 def _line(words: str) -> None:
-    sys.stdout.write(words + "\n")
+    sys.stdout.write(printable(words) + "\n")

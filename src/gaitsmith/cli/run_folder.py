@@ -1,19 +1,49 @@
-"""The folder a run is written to: refused before the run if it cannot be made, and there only once it is complete."""
+"""Where results go: refused before the work if it cannot be written, and folders there only once they are complete."""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import shutil
-import signal
 import tempfile
-import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from gaitsmith.errors import BadInput
+from gaitsmith.files import regular_target, why_unwritable
 
 _NEW = "a folder that does not exist yet"
+
+
+def check_file(name: str, inputs: Iterable[str] = (), field: str = "--out") -> Path:
+    """Absolute path of a file that can be written; a link is followed.
+
+    Args:
+        name: as the user wrote it.
+        inputs: paths that the command reads, and that it therefore must not replace.
+        field: the flag.
+
+    Raises:
+        BadInput: it is one of the inputs or something else than a file, or its folder cannot be written.
+    """
+    try:
+        target = regular_target(name)
+    except BadInput as error:
+        raise BadInput(field, name, error.valid, f"that is {error.value}") from None
+    for given in inputs:
+        if _same(given, target):
+            raise BadInput(field, name, f"another file than {given}, which is read", "choose another name")
+    reason = why_unwritable(target.parent)
+    if reason:
+        raise BadInput(field, name, "a file in a folder that can be written", f"{target.parent}: {reason}")
+    return target
+
+
+def _same(given: str, target: Path) -> bool:
+    try:
+        return os.path.samefile(given, target)
+    except (OSError, ValueError):
+        return False
 
 
 def check_new_folder(name: str, field: str = "--out") -> Path:
@@ -33,13 +63,9 @@ def check_new_folder(name: str, field: str = "--out") -> Path:
     else:
         raise BadInput(field, name, _NEW, "choose another name")
     parent = next(above for above in folder.parents if os.path.lexists(above))
-    if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
-        raise BadInput(field, name, "a folder whose parent can be written", f"{parent} cannot be; choose another place")
-    try:
-        os.rmdir(tempfile.mkdtemp(prefix=".gaitsmith.", dir=parent))  # what modes don't tell, such as /proc
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise BadInput(field, name, "a folder whose parent can be written", f"{parent}: {reason}") from None
+    reason = why_unwritable(parent)
+    if reason:
+        raise BadInput(field, name, "a folder whose parent can be written", f"{parent}: {reason}; choose another place")
     return folder
 
 
@@ -69,16 +95,3 @@ def new_folder(folder: Path, field: str = "--out") -> Iterator[Path]:
         staging.rename(folder)
     except OSError:
         raise BadInput(field, str(folder), _NEW, f"the run is kept in {staging}") from None
-
-
-@contextlib.contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Let Ctrl-C wait while results are written; elsewhere than in the main thread it cannot come anyway."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Positional, Repeatable, choice, integer, number, numbers, parse, text
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
-from gaitsmith.cli.run_folder import check_new_folder, new_folder, uninterrupted
+from gaitsmith.cli.run_folder import check_new_folder, new_folder
 from gaitsmith.errors import BadInput
+from gaitsmith.files import uninterrupted
 
 if TYPE_CHECKING:
     from gaitsmith.simulation import Episode, Scenario, Simulation

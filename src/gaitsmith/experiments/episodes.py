@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-import threading
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -13,6 +10,7 @@ from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.experiments.identity import episode_key, loop_identity
 from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.experiments.store import Store
+from gaitsmith.files import uninterrupted
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation, Summary, run_episode
 from gaitsmith.simulation.scenario import check_scenario
@@ -135,21 +133,8 @@ def _elsewhere(pending: Sequence[Scenario], robot: Robot, jobs: int) -> _Source:
     try:
         with parallel_config(backend="loky", n_jobs=min(jobs, len(pending)), inner_max_num_threads=1):
             parallel = Parallel(return_as="generator_unordered", batch_size=1)
-            with _deaf():
+            with uninterrupted():  # only this process decides what is finished
                 results = parallel(delayed(_remote)(scenario) for scenario in longest_first)
             yield from results
     except TerminatedWorkerError:
         raise GaitsmithError("a worker process was killed; finished runs are kept, run again with fewer jobs") from None
-
-
-@contextlib.contextmanager
-def _deaf() -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C, so that only this one decides what is finished."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
