@@ -8,7 +8,8 @@ from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, StepParameters
 from gaitsmith.synthesis.biped import biped_from
 from gaitsmith.synthesis.motions import cyclic
-from gaitsmith.synthesis.point import find_compiler, point_functions
+from gaitsmith.synthesis.point import point_functions
+from gaitsmith.synthesis.point_library import find_compiler
 
 SAME = 1e-9  # relative: compiler and virtual machine round differently
 STEP, SLOPE = 1e-6, 1e-5  # finite differences
