@@ -40,7 +40,7 @@ class Assembly:
         self.x, self.p = ca.MX.sym("x", program.size), ca.MX.sym("p", 0)
         layout, count = program.functions.layout, program.points.count
         self._B, self._C, self._D = _sparse(program.inputs), _sparse(program.outputs), _sparse(program.linear)
-        self._pivots = ca.DM(program.pivots)
+        self._pivots, self._price = ca.DM(program.pivots), ca.DM(program.price)
         self._weight = ca.DM(program.points.weight * OBJECTIVE_SCALE).T
         self._z = ca.reshape(ca.mtimes(self._B, self.x), layout.inputs, count)
         self._o = program.functions.value.map(count)(self._z, self._pivots)
@@ -58,6 +58,7 @@ class Assembly:
         torque, u = self._o[: layout.joints, :], self._z[layout.wrench :, :]
         f = ca.dot(ca.repmat(self._weight, layout.joints, 1) * torque, torque)
         f += program.wrench_weight * ca.dot(ca.repmat(self._weight, 6, 1) * u, u)
+        f += ca.dot(self._price, self.x)
         return {"x": self.x, "f": f, "g": ca.mtimes(self._C, ca.vec(self._o)) + ca.mtimes(self._D, self.x)}
 
     def _jacobians(self) -> tuple[Any, Any]:
@@ -73,7 +74,7 @@ class Assembly:
         u = 2 * program.wrench_weight * ca.repmat(self._weight, 6, 1) * self._z[layout.wrench :, :]
         inner = ca.vec(ca.densify(ca.vertcat(ca.MX(layout.wrench, count), u)))
         outer = ca.vec(ca.densify(self._torque_slope(o[: layout.joints, :])))
-        return ca.mtimes(self._B.T, ca.mtimes(J.T, outer) + inner)
+        return ca.mtimes(self._B.T, ca.mtimes(J.T, outer) + inner) + self._price
 
     @cached_property
     def gradient(self) -> Any:

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.bounds import pivot_of, quantity_form
+from gaitsmith.synthesis.bounds import pivot_of, quantity_form, unit_of
 from gaitsmith.synthesis.motion import At, Motion, Phase, Same, State
 from gaitsmith.synthesis.rows import Label, Rows
 from gaitsmith.synthesis.transcription import Points, Transcription
@@ -51,7 +51,7 @@ def _close(rows: Rows, trans: Transcription, point: int, index: int, phase: Phas
     assert phase.other is not None
     dx = phase.other[0] - phase.foothold[0] + pivot[0]
     dy = phase.side * (phase.other[1] - phase.foothold[1])
-    label = Label(f"closure of the {phase.contact} foot", "", index, time, 1.0)
+    label = Label(f"closure of the {phase.contact} foot", "m or rad", index, time, 1.0)
     for axis, value in enumerate((dx, dy, 0.0)):
         rows.add(label, value, value, {base + layout.pivot + axis: 1.0})
     for name in ("foot_roll", "foot_yaw") + (("foot_pitch",) if flat else ()):
@@ -141,7 +141,8 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             point = _point(points, index, time)
             base = point * trans.layout.outputs
             value = condition.value - constant
-            label = Label(f"{condition.quantity} = {condition.value:g}", "", index, time, 1.0)
+            unit = unit_of(condition.quantity)
+            label = Label(condition.quantity, unit, index, time, 1.0, constant, unit == "rad")
             rows.add(label, value, value, {base + k: factor for k, factor in form.items()})
     if motion.cyclic:
         _periodic_rows(rows, trans, motion)

@@ -24,7 +24,7 @@ class Bound:
     """low <= out·o + inp·z + constant - rise * profile(s) <= high, in ``unit``.
 
     ``span`` is the range that violations are relative to; s runs from 0 to 1 over the phase. An ``interior`` bound
-    does not hold at the phase's ends.
+    does not hold at the phase's ends. With ``sine`` the form is the sine of the angle that is bounded.
     """
 
     name: str
@@ -39,6 +39,11 @@ class Bound:
     rise: float = 0.0
     lifts: bool = False
     lands: bool = False
+    sine: bool = False
+
+    def shown(self, value: float) -> float:
+        """A value as reports tell it: the angle where the form is a sine."""
+        return shown(value, self.sine)
 
     def offset(self, s: Array) -> Array | float:
         """What is added to the linear form at normalised times (N,): the constant less the risen profile."""
@@ -48,6 +53,19 @@ class Bound:
         up = _smooth(2.0 * s if self.lands else s) if self.lifts else np.ones_like(s)
         down = _smooth(2.0 * (1.0 - s) if self.lifts else 1.0 - s) if self.lands else np.ones_like(s)
         return np.asarray(self.constant - self.rise * np.minimum(up, down))
+
+
+def shown(value: float, sine: bool) -> float:
+    """An angle from its sine, any other value as it is."""
+    return float(np.arcsin(np.clip(value, -1.0, 1.0))) if sine else value
+
+
+def unit_of(quantity: str) -> str:
+    """Unit in which reports tell one of the quantities of a motion."""
+    kind, _, what = quantity.partition("_")
+    if what in ("pitch", "roll", "yaw"):
+        return "rad"
+    return "m/s" if kind == "ankle" and what.startswith("v") else "m"
 
 
 def _smooth(s: Array) -> Array:
@@ -85,8 +103,9 @@ def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, floa
     return {getattr(layout, name): flips}, 0.0
 
 
-def _box(name: str, unit: str, form: Form, limit: Limit, constant: float, span: float) -> Bound:
-    return Bound(name, unit, form, {}, limit.low, limit.high, span, constant)
+def _sine(name: str, form: Form, low: float, high: float, span: float, interior: bool = False) -> Bound:
+    """A bound on an angle through its sine."""
+    return Bound(name, "rad", form, {}, low, high, span, interior=interior, sine=True)
 
 
 def _cone(layout: Layout, what: str, other: bool, scale: float, bounds: Bounds, reach: Reach) -> list[Bound]:
@@ -149,7 +168,7 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
         return []
     if phase.contact in ("heel", "toe"):
         low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
-        return [Bound("foot pitch", "rad", {layout.foot_pitch: 1.0}, {}, low, high, 1.0, interior=True)]
+        return [_sine("foot pitch", {layout.foot_pitch: 1.0}, low, high, 1.0, interior=True)]
     found = []
     for x in (-sole.heel, sole.toe):
         for y in (-sole.half_width, sole.half_width):
@@ -158,9 +177,9 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
             found.append(Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands))
     tilt = float(np.sin(bounds.foot_tilt))
     pitch = float(np.sin(bounds.foot_pitch))
-    found.append(Bound("swing foot pitch", "rad", {layout.foot_pitch: 1.0}, {}, -pitch, pitch, 2 * pitch))
-    found.append(Bound("swing foot roll", "rad", {layout.foot_roll: 1.0}, {}, -tilt, tilt, 2 * tilt))
-    found.append(Bound("swing foot yaw", "rad", {layout.foot_yaw: 1.0}, {}, -tilt, tilt, 2 * tilt))
+    found.append(_sine("swing foot pitch", {layout.foot_pitch: 1.0}, -pitch, pitch, 2 * pitch))
+    found.append(_sine("swing foot roll", {layout.foot_roll: 1.0}, -tilt, tilt, 2 * tilt))
+    found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, -tilt, tilt, 2 * tilt))
     gap = 2.0 * sole.half_width + bounds.foot_gap
     found.append(Bound("foot separation", "m", {layout.pivot + 1: 1.0}, {}, gap, np.inf, biped.width))
     return found
@@ -191,9 +210,11 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
     for name in ("pitch", "roll", "yaw"):
         tilt = float(np.sin(getattr(bounds, f"torso_{name}")))
         form = {int(getattr(layout, f"torso_{name}")): 1.0}
-        found.append(Bound(f"torso {name}", "rad", form, {}, -tilt, tilt, 2 * tilt))
+        found.append(_sine(f"torso {name}", form, -tilt, tilt, 2 * tilt))
     found += _foot_bounds(biped, bounds, phase, motion.lifts(index), motion.lands(index))
     for limit in phase.limits:
         form, constant = quantity_form(biped, phase, limit.quantity)
-        found.append(_box(limit.quantity, "", form, limit, constant, biped.height))
+        unit = unit_of(limit.quantity)
+        within = (limit.low, limit.high, biped.height, constant)
+        found.append(Bound(limit.quantity, unit, form, {}, *within, sine=unit == "rad"))
     return found

@@ -61,9 +61,8 @@ def merge(found: dict[str, Worst], phase: Phase, bounds: list[Bound], times: Arr
         worst = float(both[k])
         if bound.name not in found or worst > found[bound.name].violation:
             limit = bound.high if over[k] >= under[k] else bound.low
-            found[bound.name] = Worst(
-                bound.name, float(row[k]), float(limit), bound.unit, float(times[k]), phase.name, worst
-            )
+            value, limit = bound.shown(float(row[k])), bound.shown(float(limit))
+            found[bound.name] = Worst(bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst)
 
 
 def ranked(found: dict[str, Worst]) -> list[Worst]:

@@ -31,6 +31,7 @@ class Program:
         low, high: (rows,).
         labels: what each row says.
         wrench_weight: ρ.
+        price: (size,) of the unknowns, a linear part of the scaled objective.
     """
 
     functions: PointFunctions
@@ -43,6 +44,7 @@ class Program:
     high: Array
     labels: list[Label]
     wrench_weight: float
+    price: Array
 
     @property
     def size(self) -> int:
@@ -65,7 +67,7 @@ class Program:
         return np.asarray(self.outputs @ o.T.ravel() + self.linear @ x)
 
     def objective(self, z: Array, o: Array) -> float:
-        """J of eq. (16), unscaled."""
+        """J of eq. (16), unscaled and without prices."""
         layout = self.functions.layout
         torque, u = o[: layout.joints], z[layout.wrench :]
         return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.wrench_weight * np.sum(u**2, axis=0)))
@@ -108,7 +110,8 @@ def make_program(
     entries = rows.entries(inputs)
     for pick, share in zip(picks, shares, strict=True):
         bound = trans.bounds[pick.phase][pick.bound]
-        label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span)
+        constant = 0.0 if bound.rise else bound.constant
+        label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span, constant, bound.sine)
         rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, entries, pick.tighten)
     c, d = rows.matrices(points.count)
     return Program(
@@ -122,6 +125,7 @@ def make_program(
         high=np.array(rows.high),
         labels=rows.labels,
         wrench_weight=trans.settings.wrench_weight,
+        price=np.zeros(trans.size),
     )
 
 

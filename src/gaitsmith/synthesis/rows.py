@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from gaitsmith.synthesis.bounds import Bound
+from gaitsmith.synthesis.bounds import Bound, shown
 from gaitsmith.synthesis.layout import Layout
 
 Array = npt.NDArray[np.float64]
@@ -18,13 +18,19 @@ Entries = tuple[list[int], list[int], list[float]]
 
 @dataclass(frozen=True)
 class Label:
-    """What a row says, where, and in which unit."""
+    """What a row says, where, and how its value reads: value times span plus constant, or the angle with that sine."""
 
     name: str
     unit: str
     phase: int
     time: float
     span: float
+    constant: float = 0.0
+    sine: bool = False
+
+    def shown(self, value: float) -> float:
+        """The row's value, or a bound on it, in the unit."""
+        return shown(value * self.span + self.constant, self.sine)
 
 
 @dataclass
