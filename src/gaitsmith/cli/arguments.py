@@ -25,22 +25,40 @@ _Arguments = TypeVar("_Arguments")
 _Spec = PrimitiveConstructorSpec[Any]
 
 
+Absent = str | Callable[[], object]
+"""What the help calls a default of None: a word, or a function asked only when help is shown."""
+
+
 def _spec(
-    read: Callable[[list[str]], Any], metavar: str, count: int | tuple[int, ...] = 1, absent: str = "scenario"
+    read: Callable[[list[str]], Any],
+    metavar: str,
+    count: int | tuple[int, ...] = 1,
+    absent: Absent = "scenario",
+    span: tuple[float, float] | None = None,
 ) -> _Spec:
-    """How tyro reads one option; ``read`` gets the words given, ``absent`` is what the help calls a default of None."""
+    """How tyro reads one option; ``read`` gets the words given, ``span`` is the valid range that the help shows."""
+
+    def shown(value: Any) -> list[str]:
+        if value is None:
+            value = absent() if callable(absent) else absent
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+        return (text + (f", from {span[0]:g} to {span[1]:g}" if span else "")).split()
+
     return PrimitiveConstructorSpec(
-        nargs=count,
-        metavar=metavar,
-        instance_from_str=read,
-        is_instance=lambda _: True,
-        str_from_instance=lambda value: [absent] if value is None else [str(value)],
+        nargs=count, metavar=metavar, instance_from_str=read, is_instance=lambda _: True, str_from_instance=shown
     )
 
 
-def number(flag: str, metavar: str, absent: str = "scenario") -> _Spec:
-    """An option that takes one finite number."""
-    return _spec(lambda words: _finite(flag, words[0], f"a number ({metavar})"), metavar, absent=absent)
+def number(flag: str, metavar: str, absent: Absent = "scenario", span: tuple[float, float] | None = None) -> _Spec:
+    """An option that takes one finite number, within ``span`` if given."""
+
+    def read(words: list[str]) -> float:
+        value = _finite(flag, words[0], f"a number ({metavar})")
+        if span is not None and not span[0] <= value <= span[1]:
+            raise BadInput(flag, value, f"{span[0]:g} to {span[1]:g}")
+        return value
+
+    return _spec(read, metavar, absent=absent, span=span)
 
 
 def numbers(flag: str, metavar: str, counts: tuple[int, ...], remedy: str) -> _Spec:
@@ -54,33 +72,34 @@ def numbers(flag: str, metavar: str, counts: tuple[int, ...], remedy: str) -> _S
     return _spec(read, metavar, counts)
 
 
-def integer(flag: str, metavar: str, least: int) -> _Spec:
-    """An option that takes one whole number, ``least`` or more."""
+def integer(flag: str, metavar: str, least: int, most: int | None = None, absent: Absent = "scenario") -> _Spec:
+    """An option that takes one whole number, from ``least`` to ``most``."""
+    valid = f"a whole number from {least}" + (f" to {most}" if most is not None else "") + f" ({metavar})"
 
     def read(words: list[str]) -> int:
         try:
             value = int(words[0])
         except ValueError:
-            value = least - 1
-        if value < least:
-            raise BadInput(flag, words[0], f"a whole number from {least} ({metavar})")
+            raise BadInput(flag, words[0], valid) from None
+        if value < least or (most is not None and value > most):
+            raise BadInput(flag, words[0], valid)
         return value
 
-    return _spec(read, metavar)
+    return _spec(read, metavar, absent=absent, span=None if most is None else (least, most))
 
 
-def text(flag: str, metavar: str, absent: str = "scenario") -> _Spec:
+def text(flag: str, metavar: str, absent: Absent = "scenario") -> _Spec:
     """An option that takes one word, which may not be empty."""
 
     def read(words: list[str]) -> str:
         if not words[0].strip() or "\0" in words[0]:
-            raise BadInput(flag, words[0], metavar)
+            raise BadInput(flag, words[0], f"{metavar}, a word that is not empty")
         return words[0]
 
     return _spec(read, metavar, absent=absent)
 
 
-def choice(flag: str, choices: Sequence[str]) -> _Spec:
+def choice(flag: str, choices: Sequence[str], absent: Absent = "scenario") -> _Spec:
     """An option that takes one of a few words."""
 
     def read(words: list[str]) -> str:
@@ -88,7 +107,7 @@ def choice(flag: str, choices: Sequence[str]) -> _Spec:
             raise BadInput(flag, words[0], f"one of {', '.join(choices)}", _nearest(words[0], choices))
         return words[0]
 
-    return _spec(read, "{" + ",".join(choices) + "}")
+    return _spec(read, "{" + ",".join(choices) + "}", absent=absent)
 
 
 def parse(kind: type[_Arguments], words: Sequence[str], program: str) -> _Arguments:
@@ -103,6 +122,8 @@ def parse(kind: type[_Arguments], words: Sequence[str], program: str) -> _Argume
         BadInput: an unknown option, a missing value, a value of the wrong kind.
         SystemExit: after printing help, code 0.
     """
+    if {"-h", "--help"} & set(words):
+        words = ["--help"]  # what is given already would be missing from the usage
     switches = [_flag(field.name) for field in fields(cast(Any, kind)) if field.type in ("bool", bool)]
     for word in words:
         switch, equals, value = word.partition("=")

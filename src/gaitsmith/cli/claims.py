@@ -2,30 +2,35 @@
 
 from __future__ import annotations
 
-from gaitsmith.cli.dispatch import DONE, Outcome
-from gaitsmith.errors import BadInput
+from typing import Any
+
+from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome
+from gaitsmith.cli.inputs import named_robot
 
 
 def claims(robot_name: str) -> Outcome:
     """Plan the static and the dynamic gait and compare them with section 5.
 
     Raises:
-        BadInput: the robot cannot be planned for, or not at these speeds.
+        BadInput: the robot cannot be planned for.
     """
-    from gaitsmith.robots import load_robot
+    from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import Planner, Request, StepParameters, answer
     from gaitsmith.synthesis.claims import paper_claims
 
-    robot = load_robot(robot_name)
-    planner = Planner(robot)
+    robot = named_robot(robot_name)
     gaits = []
-    for length, period in ((0.15, 1.0), (0.20, 0.5)):
-        found = answer(planner, Request("cyclic", StepParameters(length, period)))
-        if found.gait is None:
-            raise BadInput("robot", robot_name, "a robot that walks the paper's two gaits", found.main.reason)
-        gaits.append(found.gait)
-    items = paper_claims(gaits[0], gaits[1], robot)
-    document = {"motion": "claims", "status": "solved", "claims": [item.as_dict() for item in items]}
+    with Display() as display:
+        planner = Planner(robot, display.slow)
+        for length, period in ((0.15, 1.0), (0.20, 0.5)):
+            found = answer(planner, Request("cyclic", StepParameters(length, period)), display.iteration)
+            if found.gait is None:
+                reason = f"a step of {length:g} m in {period:g} s: {found.main.reason}"
+                display.say(f"{found.main.status}: {reason}")
+                return Outcome(NOT_SOLVED, _document(found.main.status, reason, []), lambda: None)
+            gaits.append(found.gait)
+        display.show("comparing")
+        items = paper_claims(gaits[0], gaits[1], robot)
 
     def show() -> None:
         from rich.box import SIMPLE_HEAD
@@ -40,4 +45,8 @@ def claims(robot_name: str) -> Outcome:
             table.add_row(item.claim, item.found, "holds" if item.holds else "does not hold")
         Printer().print(table)
 
-    return Outcome(DONE, document, show)
+    return Outcome(DONE, _document("solved", "", [item.as_dict() for item in items]), show)
+
+
+def _document(status: str, reason: str, claims: list[dict[str, Any]]) -> dict[str, Any]:
+    return {"motion": "claims", "status": status, "reason": reason, "claims": claims}

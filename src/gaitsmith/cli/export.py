@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated
 
 from gaitsmith.cli.arguments import Positional, choice, integer, number, parse, text
 from gaitsmith.cli.dispatch import DONE, Outcome
+from gaitsmith.cli.inputs import given_steps, planned_gait
+from gaitsmith.cli.run_folder import check_file
 from gaitsmith.errors import BadInput
 
 
@@ -21,12 +23,12 @@ class ExportArguments:
     """csv or mcap."""
     rate: Annotated[float, number("--rate", "HZ")] = 1000.0
     """Rows per second."""
-    steps: Annotated[int, integer("--steps", "N", 1)] = 1
+    steps: Annotated[int | None, integer("--steps", "N", 1, 10_000, absent="1")] = None
     """Steps of a cyclic gait."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH")] = None
+    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the one it names")] = None
     """The robot it was planned for, if it is not one of the package."""
-    out: Annotated[str | None, text("--out", "FILE")] = None
-    """File to write; beside the gait file by default."""
+    out: Annotated[str | None, text("--out", "FILE", absent="beside the gait file")] = None
+    """File to write."""
     json: bool = False
     """Print one JSON document instead of text."""
 
@@ -40,16 +42,15 @@ def export(words: list[str], program: str) -> Outcome:
     arguments = parse(ExportArguments, words, program)
     if not arguments.rate > 0.0:
         raise BadInput("--rate", arguments.rate, "a positive number of rows per second")
-    if arguments.steps > 10_000:
-        raise BadInput("--steps", arguments.steps, "at most 10000")
-    from gaitsmith.synthesis import load_robot_of, read_gait
+    path = check_file(arguments.out or _beside(arguments.gait, arguments.format), (arguments.gait,))
+    from gaitsmith.cli.display import Display
     from gaitsmith.synthesis.export import export_gait
 
-    gait, _ = read_gait(arguments.gait)
-    robot = load_robot_of(gait, arguments.robot)
-    path = Path(arguments.out) if arguments.out else Path(arguments.gait).with_suffix(f".{arguments.format}")
-    rows = export_gait(gait, robot, path, arguments.format, arguments.rate, arguments.steps)
-    document = {"file": str(path.resolve()), "format": arguments.format, "rate": arguments.rate, "rows": rows}
+    gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
+    steps = given_steps(arguments.steps, gait, 1)
+    with Display("exporting"):
+        rows = export_gait(gait, robot, path, arguments.format, arguments.rate, steps)
+    document = {"file": str(path), "format": arguments.format, "rate": arguments.rate, "rows": rows}
 
     def show() -> None:
         from gaitsmith.cli.printing import Printer
@@ -57,3 +58,9 @@ def export(words: list[str], program: str) -> Outcome:
         Printer().print(f"written: {document['file']}, {rows} rows", soft_wrap=True)
 
     return Outcome(DONE, document, show)
+
+
+def _beside(gait: str, form: str) -> str:
+    """The default name: walk.json gives walk.csv, and any other name keeps all of itself."""
+    stem, suffix = os.path.splitext(gait)
+    return f"{stem if suffix.lower() == '.json' else gait}.{form}"

@@ -15,20 +15,19 @@ def print_plan(document: dict[str, Any], robot: Robot) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from gaitsmith.cli.printing import Printer
+    from gaitsmith.cli.printing import Printer, figure
 
     console = Printer()
     times = document["time_s"]
-    head = f"{document['motion']} for {robot.card.name}: {document['status']}"
-    console.print(head + (f", {document['reason']}" if document["reason"] else ""))
+    console.print(f"{document['motion']} for {robot.card.name}: {document['status']}")
     console.print(
-        f"objective {document['objective']:.4g}, {document['iterations']} iterations, "
+        f"objective {figure(document['objective'], '.4g')}, {document['iterations']} iterations, "
         f"{document['refinements']} refinements, {document['variables']} unknowns, {document['constraints']} rows; "
         f"setup {times['setup']:.2f} s, compile {times['compile']:.2f} s, solve {times['solve']:.2f} s, "
         f"check {times['check']:.2f} s"
     )
     if document["max_torque"] is not None:
-        console.print(f"smallest ZMP margin in single support {document['zmp_margin_mm']:.1f} mm")
+        console.print(f"smallest ZMP margin in single support {figure(document['zmp_margin_mm'], '.1f')} mm")
         table = Table(box=SIMPLE_HEAD)
         for heading in ("joint", "peak torque\nN·m", "limit\nN·m"):
             table.add_column(heading, justify="left" if heading == "joint" else "right")
@@ -43,7 +42,9 @@ def print_plan(document: dict[str, Any], robot: Robot) -> None:
 
 
 def print_worst(console: Any, worst: list[dict[str, Any]]) -> None:
-    """The constraints closest to their limits."""
+    """The constraints closest to their limits, if any were looked at."""
+    if not worst:
+        return
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
@@ -66,7 +67,7 @@ def print_worst(console: Any, worst: list[dict[str, Any]]) -> None:
 
 def print_verdict(document: dict[str, Any]) -> None:
     """What ``gaitsmith verify`` found."""
-    from gaitsmith.cli.printing import Printer
+    from gaitsmith.cli.printing import Printer, figure
 
     console = Printer()
     console.print("ok: file and physics agree" if document["ok"] else "not ok")
@@ -77,10 +78,9 @@ def print_verdict(document: dict[str, Any]) -> None:
         f"closure {closure['position_mm']:.2g} mm, {closure['velocity']:.2g} m/s, {closure['acceleration']:.2g} m/s²; "
         f"torque jump {document['torque_jump']:.2g} N·m; residual {document['dynamics_residual']:.2g} of the weight"
     )
-    clearance = document["clearance_mm"]
     console.print(
         f"penetration {document['penetration_mm']:.3g} mm; clearance at mid-swing "
-        f"{'-' if clearance is None else format(clearance, '.3g')} mm; ZMP margin {document['zmp_margin_mm']:.1f} mm; "
+        f"{figure(document['clearance_mm'], '.3g')} mm; ZMP margin {figure(document['zmp_margin_mm'], '.1f')} mm; "
         f"base jumps {seam['position_m']:.1g} m where the support changes"
     )
     print_worst(console, document["worst"])

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 from gaitsmith.cli.arguments import Positional, integer, number, parse, text
 from gaitsmith.cli.dispatch import DONE, FELL, Outcome
-from gaitsmith.errors import BadInput
+from gaitsmith.cli.inputs import given_steps, planned_gait
 
-_RANGES = {
-    "steps": (1, 10_000),
-    "friction": (0.01, 5.0),
-    "mass_scale": (0.2, 5.0),
-    "gain_scale": (0.05, 5.0),
-    "stiffness": (1.0, 10_000.0),
-    "damping": (0.01, 1_000.0),
-    "attitude_gain": (0.0, 10.0),
-}
+_STEPS = 20
+
+
+def _usual(name: str) -> Callable[[], object]:
+    def shown() -> object:
+        from gaitsmith.synthesis.replay import ReplaySettings
+
+        return ReplaySettings.model_fields[name].default
+
+    return shown
 
 
 @dataclass(frozen=True)
@@ -26,21 +28,21 @@ class PlayArguments:
 
     gait: Annotated[str, Positional, text("GAIT", "GAIT")]
     """Gait file."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH")] = None
+    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the one it names")] = None
     """The robot it was planned for, if it is not one of the package."""
-    steps: Annotated[int, integer("--steps", "N", 1)] = 20
+    steps: Annotated[int | None, integer("--steps", "N", 1, 10_000, absent=str(_STEPS))] = None
     """Steps of a cyclic gait."""
-    stiffness: Annotated[float, number("--stiffness", "N·m/rad")] = 300.0
+    stiffness: Annotated[float | None, number("--stiffness", "N·m/rad", _usual("stiffness"), (1.0, 10_000.0))] = None
     """Of every joint's position control."""
-    damping: Annotated[float, number("--damping", "N·m·s/rad")] = 6.0
+    damping: Annotated[float | None, number("--damping", "N·m·s/rad", _usual("damping"), (0.01, 1_000.0))] = None
     """Of every joint's position control."""
-    attitude_gain: Annotated[float, number("--attitude-gain", "G")] = 0.5
+    attitude_gain: Annotated[float | None, number("--attitude-gain", "G", _usual("attitude_gain"), (0.0, 10.0))] = None
     """Angle of the ankle per angle of the torso's deviation."""
-    friction: Annotated[float, number("--friction", "MU")] = 0.8
+    friction: Annotated[float | None, number("--friction", "MU", _usual("friction"), (0.01, 5.0))] = None
     """Coulomb coefficient between sole and ground."""
-    mass_scale: Annotated[float, number("--mass-scale", "F")] = 1.0
+    mass_scale: Annotated[float | None, number("--mass-scale", "F", _usual("mass_scale"), (0.2, 5.0))] = None
     """Real masses relative to planned ones."""
-    gain_scale: Annotated[float, number("--gain-scale", "F")] = 1.0
+    gain_scale: Annotated[float | None, number("--gain-scale", "F", _usual("gain_scale"), (0.05, 5.0))] = None
     """Real gains relative to the given ones."""
     json: bool = False
     """Print one JSON document instead of text."""
@@ -53,21 +55,20 @@ def play(words: list[str], program: str) -> Outcome:
         BadInput: the command line, the file or the robot cannot be used.
     """
     arguments = parse(PlayArguments, words, program)
-    for name, (low, high) in _RANGES.items():
-        value = getattr(arguments, name)
-        if not low <= value <= high:
-            raise BadInput("--" + name.replace("_", "-"), value, f"{low:g} to {high:g}")
-    from gaitsmith.synthesis import load_robot_of, read_gait
+    from gaitsmith.cli.display import Display
     from gaitsmith.synthesis.replay import ReplaySettings, replay
 
-    gait, _ = read_gait(arguments.gait)
-    robot = load_robot_of(gait, arguments.robot)
-    settings = ReplaySettings(**{name: getattr(arguments, name) for name in _RANGES if name != "steps"})
-    result = replay(gait, robot, settings, arguments.steps)
+    gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
+    steps = given_steps(arguments.steps, gait, _STEPS)
+    given = {name: getattr(arguments, name) for name in ReplaySettings.model_fields if hasattr(arguments, name)}
+    settings = ReplaySettings(**{name: value for name, value in given.items() if value is not None})
+    with Display("preparing") as display:
+        tell = lambda now, end: display.show("replaying", f"{now:.1f} of {end:.1f} s", now, end)  # noqa: E731
+        result = replay(gait, robot, settings, steps, tell)
     document: dict[str, Any] = {"motion": gait.motion.name, "robot": robot.card.name, **result.as_dict()}
 
     def show() -> None:
-        from gaitsmith.cli.printing import Printer
+        from gaitsmith.cli.printing import Printer, figure
 
         console = Printer()
         if result.stood:
@@ -77,7 +78,8 @@ def play(words: list[str], program: str) -> Outcome:
         console.print(f"distance {result.distance:.3f} of {result.planned_distance:.3f} m, drift {result.drift:.3f} m")
         tilt = result.tilt_deg
         console.print(f"largest deviation of the torso: roll {tilt['roll']:.2f}°, pitch {tilt['pitch']:.2f}°")
-        console.print(f"real ZMP: {result.zmp_error_mm:.1f} mm from the plan, margin {result.zmp_margin_mm:.1f} mm")
+        error, margin = figure(result.zmp_error_mm, ".1f"), figure(result.zmp_margin_mm, ".1f")
+        console.print(f"real ZMP: {error} mm from the plan, margin {margin} mm")
         console.print(f"torque clipped at {100.0 * result.torque_saturated:.2f} % of the ticks")
         if result.ball is not None:
             console.print(f"ball: {result.ball['speed']:.2f} m/s, {result.ball['travel']:.2f} m")

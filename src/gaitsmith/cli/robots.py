@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Positional, parse, text
 from gaitsmith.cli.dispatch import DONE, Outcome, printable
-from gaitsmith.errors import BadInput
+from gaitsmith.cli.inputs import named_robot
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -58,7 +58,7 @@ def show(words: list[str], program: str) -> Outcome:
     Raises:
         BadInput: the command line or the robot cannot be used.
     """
-    robot = _load(parse(RobotArguments, words, program).robot)
+    robot = named_robot(parse(RobotArguments, words, program).robot, "ROBOT")
     from gaitsmith.robots import describe
 
     document = describe(robot)
@@ -71,7 +71,7 @@ def check(words: list[str], program: str) -> Outcome:
     Raises:
         BadInput: the command line or the robot cannot be used.
     """
-    robot = _load(parse(RobotArguments, words, program).robot)
+    robot = named_robot(parse(RobotArguments, words, program).robot, "ROBOT")
     from gaitsmith.control.posture import standing_posture
 
     gait = robot.card.gait
@@ -94,17 +94,6 @@ def check(words: list[str], program: str) -> Outcome:
             _line(f"note: {note}")
 
     return Outcome(DONE, document, show)
-
-
-def _load(name: str) -> Robot:
-    from gaitsmith.robots import load_robot
-
-    try:
-        return load_robot(name)
-    except BadInput as error:
-        if error.field == "robot":
-            raise BadInput("ROBOT", error.value, error.valid, "see gaitsmith robots list") from None
-        raise
 
 
 def _print_robot(robot: Robot, document: dict[str, Any]) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from gaitsmith.cli.dispatch import DONE, Outcome
+from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome
+from gaitsmith.cli.inputs import named_robot
 
 
 def sweep(robot: str, jobs: int) -> Outcome:
@@ -11,16 +12,13 @@ def sweep(robot: str, jobs: int) -> Outcome:
     Raises:
         BadInput: the robot cannot be planned for.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
+    from gaitsmith.cli.display import Display
     from gaitsmith.synthesis.sweep import sweep as run
     from gaitsmith.synthesis.sweep import sweep_document
 
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("sweep", total=None)
-        cells = run(robot, jobs, lambda done, total: progress.update(task, completed=done, total=total))
+    named_robot(robot)
+    with Display() as display:
+        cells = run(robot, jobs, lambda done, total: display.show("sweep", f"{done} of {total}", done, total))
     document = sweep_document(cells)
 
     def show() -> None:
@@ -42,4 +40,4 @@ def sweep(robot: str, jobs: int) -> Outcome:
             if cell.status == "failed":
                 printer.print(f"{cell.speed:.3f} m/s, {cell.period:.2f} s: {cell.reason}", soft_wrap=True)
 
-    return Outcome(DONE if document["share"] >= 0.95 else 3, document, show)
+    return Outcome(DONE if document["share"] >= 0.95 else NOT_SOLVED, document, show)

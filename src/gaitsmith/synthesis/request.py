@@ -22,6 +22,9 @@ Array = npt.NDArray[np.float64]
 Kind = Literal["cyclic", "start", "stop", "walk", "kick"]
 KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick")
 REST = 0.03  # m by which the hips are below their height with straight legs at rest
+RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
+KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
+MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
 KICK_FRICTION = 0.45  # leaves the plant's friction of 0.5 and more some room
 _AGREE = 1e-6
 _REPORT = Callable[[str, int, Progress], None]
@@ -34,15 +37,24 @@ def stride(speed: float | None, length: float | None, period: float | None) -> t
     the length is 0.12 m + 0.2 s times the speed; with none, its static gait.
 
     Raises:
-        BadInput: a value out of range, or three that do not agree.
+        BadInput: a value out of range, given or derived, or three that do not agree.
     """
-    for flag, value, low, high in (
-        ("--speed", speed, 0.01, 2.0),
-        ("--step-length", length, 0.005, 1.0),
-        ("--period", period, 0.1, 10.0),
-    ):
+    given = {"--speed": speed, "--step-length": length, "--period": period}
+    for flag, value in given.items():
+        low, high = RANGES[flag]
         if value is not None and not low <= value <= high:
             raise BadInput(flag, value, f"{low:g} to {high:g}")
+    length, period = _stride(speed, length, period)
+    flags = " and ".join(f"{flag} {value:g}" for flag, value in given.items() if value is not None)
+    for flag, value in {"--speed": length / period, "--step-length": length, "--period": period}.items():
+        low, high = RANGES[flag]
+        if given[flag] is None and not low <= value <= high:
+            raise BadInput(flags, f"{flag} {value:g} from them", f"{low:g} to {high:g} for {flag}")
+    return length, period
+
+
+def _stride(speed: float | None, length: float | None, period: float | None) -> tuple[float, float]:
+    """Length and period from what is given, before they are looked at."""
     if speed is not None and length is not None and period is not None:
         if abs(length - speed * period) > _AGREE * max(1.0, length):
             valid = f"{speed * period:.6g} m, speed times period"
@@ -80,6 +92,9 @@ class Request:
         kick: of the kick.
         cycles: steps of the cyclic gait in a walk.
         settings: order, bounds, tolerances.
+
+    Raises:
+        BadInput: more cycles than a gait file holds, or fewer than none.
     """
 
     kind: Kind
@@ -87,6 +102,10 @@ class Request:
     kick: KickParameters = field(default_factory=KickParameters)
     cycles: int = 10
     settings: Settings = field(default_factory=Settings)
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.cycles <= MOST_CYCLES:
+            raise BadInput("--cycles", self.cycles, f"0 to {MOST_CYCLES}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,63 @@
+"""What commands read: a robot by name or path, and a gait file with the robot that it is for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gaitsmith.errors import BadInput
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+    from gaitsmith.synthesis import Gait
+
+
+def named_robot(name: str, field: str = "--robot") -> Robot:
+    """The robot of that name, or of the card at that path.
+
+    Raises:
+        BadInput: it cannot be loaded; a name that is unknown is reported under ``field``.
+    """
+    from gaitsmith.robots import load_robot
+
+    try:
+        return load_robot(name)
+    except BadInput as error:
+        if error.field == "robot":
+            raise BadInput(field, error.value, error.valid, "see gaitsmith robots list") from None
+        raise
+
+
+def planned_gait(path: str, robot: str | None, allow_edited: bool = False) -> tuple[Gait, Robot, bool]:
+    """The gait in a file, its robot, and whether the file is as it was written.
+
+    Args:
+        path: of the gait file.
+        robot: where the robot is, if it is not one of the package.
+        allow_edited: hand back a well-formed file that was edited, instead of refusing it.
+
+    Raises:
+        BadInput: file or robot cannot be used, or do not belong together.
+    """
+    from gaitsmith.synthesis.gait_file import load_robot_of, read_gait, require_robot
+
+    gait, intact = read_gait(path, allow_edited=allow_edited)
+    if robot is None:
+        return gait, load_robot_of(gait), intact
+    loaded = named_robot(robot)
+    try:
+        require_robot(gait, loaded)
+    except BadInput:
+        valid = f"the robot that the gait was planned for, {gait.robot[:60]} with hash {gait.robot_hash[:12]}"
+        raise BadInput("--robot", robot, valid, "plan again for this one") from None
+    return gait, loaded, intact
+
+
+def given_steps(steps: int | None, gait: Gait, default: int) -> int:
+    """Steps of a cyclic gait.
+
+    Raises:
+        BadInput: steps are given for a gait that is not cyclic.
+    """
+    if steps is not None and not gait.motion.cyclic:
+        raise BadInput("--steps", steps, f"nothing for {gait.motion.name}", "it applies to cyclic gaits")
+    return default if steps is None else steps
