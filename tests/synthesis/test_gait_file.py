@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis.gait_file import gait_document, load_robot_of, read_gait, require_robot, write_gait
+from gaitsmith.synthesis.gait_entries import LONGEST_PHASE
+from gaitsmith.synthesis.gait_file import _checksum, gait_document, load_robot_of, read_gait, require_robot, write_gait
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +78,79 @@ def test_another_robot_is_refused(dynamic):
         require_robot(dynamic.gait, load_robot("bhr_b2"))
     with pytest.raises(BadInput, match="robot"):
         load_robot_of(dynamic.gait, "bhr_b2")
+
+
+PIECE = ("phases", 0, "sections", 0)
+HUGE = 10**400
+LOST = object()
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("phases", 0, "duration"), HUGE, r"phases\[0\].duration.* 60"),
+        (("phases", 0, "duration"), LONGEST_PHASE + 1.0, r"phases\[0\].duration"),
+        (("phases", 0, "support"), LOST, r"phases\[0\].support: got nothing"),
+        (("phases", 0, "name"), 3, "printable text"),
+        (("phases", 4, "support"), "right", r"phases\[4\]"),
+        (("phases", 2, "other_foothold"), None, "other sole stands"),
+        (("phases", 0, "limits"), [{"quantity": "toe_x", "low": 2, "high": 1}], "not above high"),
+        ((*PIECE, "joints", 2, 1), HUGE, "finite"),
+        ((*PIECE, "joints", 2, 1), True, r"joints\[2\]\[1\].*a number"),
+        ((*PIECE, "torque", 2, 1), "1", r"torque\[2\]\[1\].*a number"),
+        ((*PIECE, "wrench"), [[1.0]], "12 rows"),
+        ((*PIECE, "joints", 2), [0.0] * 201, "3 to 200"),
+        ((*PIECE, "joints", 2, 3), 1.7e308, "angle.*1000 rad"),
+        ((*PIECE, "torque", 2, 0), 1.7e308, "torque.*100000"),
+        (("conditions", 0, "quantity"), "foo", "one of ankle_x"),
+        (("conditions", 0, "border"), 1.5, "whole number"),
+        (("order",), 4.5, "4 or 5"),
+        (("version",), True, "version"),
+        (("motion",), None, "motion"),
+        (("cyclic",), "x", "true or false"),
+        (("bounds", "friction"), LOST, "bounds.friction"),
+        (("bounds", "friction"), 99.0, "bounds.friction.*5"),
+        (("bounds", "other"), 1.0, "bounds.other"),
+        (("parameters", "length"), HUGE, "parameters.length"),
+        (("solver",), [], "solver"),
+    ],
+)
+def test_every_entry_is_checked(dynamic, tmp_path, place, value, words):
+    document = json.loads(json.dumps(gait_document(dynamic.gait)))
+    *path, last = place
+    target = document
+    for key in path:
+        target = target[key]
+    if value is LOST:
+        del target[last]
+    else:
+        target[last] = value
+    document["checksum"] = _checksum(document)
+    bad = tmp_path / "bad.json"
+    bad.write_text(json.dumps(document))
+    with pytest.raises(BadInput, match=words):
+        read_gait(bad)
+
+
+def test_a_key_given_twice_is_refused(path, tmp_path):
+    bad = tmp_path / "bad.json"
+    bad.write_text(path.read_text().replace('"order":', '"order":5,"order":', 1))
+    with pytest.raises(BadInput, match="'order' twice"):
+        read_gait(bad)
+
+
+def test_a_cycle_that_does_not_end_as_it_began_is_refused(dynamic, tmp_path):
+    motion = dynamic.gait.motion
+    short = replace(dynamic.gait, motion=replace(motion, phases=motion.phases[:2]), pieces=dynamic.gait.pieces[:2])
+    write_gait(tmp_path / "short.json", short)
+    with pytest.raises(BadInput, match="cyclic"):
+        read_gait(tmp_path / "short.json")
+
+
+def test_joints_in_another_order_are_named(dynamic, robot):
+    names = dynamic.gait.joint_names
+    with pytest.raises(BadInput, match=rf"joints\[0\].*{names[1]}.*{names[0]}"):
+        require_robot(replace(dynamic.gait, joint_names=(names[1], names[0], *names[2:])), robot)
 
 
 @given(st.integers(0, 10**9))

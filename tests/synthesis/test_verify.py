@@ -60,6 +60,38 @@ def test_tighter_bounds_fail(dynamic, robot):
     assert any("torque" in text for text in verify(gait, robot, SPARSE).problems)
 
 
+def _worst(gait, change):
+    return replace(gait, certificate=gait.certificate | {"worst": change(gait.certificate["worst"])})
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda worst: [],
+        lambda worst: 3,
+        lambda worst: [*worst, {"constraint": 1}],
+        lambda worst: [item | {"violation": None} for item in worst],
+        lambda worst: worst[1:],
+        lambda worst: [item | {"violation": item["violation"] - 0.02} for item in worst],
+    ],
+)
+def test_a_certificate_that_does_not_match_is_found(dynamic, robot, change):
+    verdict = verify(_worst(dynamic.gait, change), robot, SPARSE)
+    assert any("certificate" in text for text in verdict.problems), verdict.problems
+
+
+def test_a_certificate_that_matches_is_no_problem(dynamic, robot):
+    verdict = verify(dynamic.gait, robot, SPARSE)
+    assert verdict.ok, verdict.problems
+    assert verdict.as_dict()["bounds"] == dynamic.gait.bounds
+
+
+@pytest.mark.parametrize("key", ["joints", "torque", "wrench"])
+def test_what_is_not_a_number_is_a_problem(dynamic, robot, key):
+    verdict = verify(_changed(dynamic.gait, 2, **{key: _add(2, np.nan)}), robot, SPARSE)
+    assert any("nan" in text for text in verdict.problems), verdict.problems
+
+
 def test_hull_of_points():
     points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0]])
     assert sorted(map(tuple, hull(points))) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]

@@ -79,5 +79,5 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
         CacheRefused: the cache folder is not the owner's alone.
     """
     loaded, spent = point_library(biped, notify or (lambda _: None))
-    functions = loaded if loaded is not None else point_expressions(biped)
-    return PointFunctions(Layout(biped.joints), *functions, loaded is not None, spent)
+    value, jacobian, hessian = loaded if loaded is not None else point_expressions(biped)
+    return PointFunctions(Layout(biped.joints), value, jacobian, hessian, loaded is not None, spent)

@@ -6,9 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from gaitsmith.robots.parameters import NonNegative, Parameters, Positive
+from gaitsmith.robots.parameters import Fraction, Parameters, Positive
 
 Angle = Annotated[float, Field(gt=0.0, le=1.5, allow_inf_nan=False)]
+Length = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0.0, le=1.0, allow_inf_nan=False)]
 
 
 class Bounds(Parameters):
@@ -32,20 +34,20 @@ class Bounds(Parameters):
         velocity: share of the card's velocity limits that may be used.
     """
 
-    friction: Positive = 0.6
-    yaw_friction: Positive = 0.05
-    zmp_margin: NonNegative = 0.02
-    normal_force: NonNegative = 0.3
-    squat: NonNegative = 0.02
+    friction: Annotated[float, Field(gt=0.0, le=5.0, allow_inf_nan=False)] = 0.6
+    yaw_friction: Share = 0.05
+    zmp_margin: Length = 0.02
+    normal_force: Fraction = 0.3
+    squat: Length = 0.02
     torso_pitch: Angle = 0.20
     torso_roll: Angle = 0.15
     torso_yaw: Angle = 0.15
     foot_pitch: Angle = 0.5
     foot_tilt: Angle = 0.02
-    foot_gap: NonNegative = 0.02
-    clearance: NonNegative = 0.005
-    torque: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
-    velocity: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    foot_gap: Length = 0.02
+    clearance: Length = 0.005
+    torque: Share = 1.0
+    velocity: Share = 1.0
 
 
 class Settings(Parameters):

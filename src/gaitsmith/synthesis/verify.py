@@ -13,13 +13,11 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import ValidationError
 
-from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.biped import Biped, biped_from
 from gaitsmith.synthesis.bounds import phase_bounds, pivot_of, quantity_form
-from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
+from gaitsmith.synthesis.certificate import ALLOWED, Worst, disagreements, merge, ranked
 from gaitsmith.synthesis.dense import BoundTable
 from gaitsmith.synthesis.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gait import Gait, follow
@@ -53,6 +51,7 @@ class Verdict:
         hull_margin: smallest distance of the ZMP from the hull of all contact points, mm.
         seam: largest jumps of base pose, joint velocity and joint acceleration where phases meet.
         conditions: (quantity, wanted, found) of the motion's conditions.
+        bounds: the bounds in the file, which the constraints were computed with.
         problems: what failed, in words.
     """
 
@@ -66,6 +65,7 @@ class Verdict:
     hull_margin: float = np.inf
     seam: dict[str, float] = field(default_factory=lambda: dict.fromkeys(SEAM, 0.0))
     conditions: list[tuple[str, float, float]] = field(default_factory=list)
+    bounds: dict[str, float] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
 
     @property
@@ -88,6 +88,7 @@ class Verdict:
             "zmp_hull_margin_mm": self.hull_margin,
             "seam": self.seam,
             "conditions": [{"quantity": n, "wanted": w, "found": f} for n, w, f in self.conditions],
+            "bounds": self.bounds,
         }
 
 
@@ -127,10 +128,8 @@ class _Recorder:
                 o[layout.load + place, k] = w[2] ** 2 / biped.weight
             if phase.double:
                 self._closure(verdict)
-            verdict.dynamics_residual = max(
-                verdict.dynamics_residual,
-                float(np.abs(self.finder.residual(torque[:, k], wrench[:, k])).max()) / biped.weight,
-            )
+            residual = np.abs(self.finder.residual(torque[:, k], wrench[:, k])).max() / biped.weight
+            verdict.dynamics_residual = _larger(verdict.dynamics_residual, residual)
         stack = (biped.mirrored(values.T).T for values in (q, v, a, torque)) if mirrored else (q, v, a, torque)
         z[:n], z[n : 2 * n], z[2 * n : 3 * n], o[:n] = stack
         return o, z, found
@@ -171,7 +170,7 @@ class _Recorder:
                 goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
                 errors = (1e3 * np.abs(place - goal).max(), np.abs(speed).max(), np.abs(pull).max())
                 for name, error in zip(CLOSURE, errors, strict=True):
-                    verdict.closure[name] = max(verdict.closure[name], float(error))
+                    verdict.closure[name] = _larger(verdict.closure[name], error)
 
 
 def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, int], None] | None = None) -> Verdict:
@@ -182,16 +181,9 @@ def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, in
         robot: the robot that it was planned for.
         dense: instants a phase.
         report: told the number of phases done, and of all.
-
-    Raises:
-        BadInput: bounds in the file are not valid.
     """
-    biped = biped_from(robot)
-    try:
-        bounds = Bounds.model_validate(gait.bounds)
-    except ValidationError as error:
-        raise BadInput("bounds", str(error.errors()[0]["loc"]), "the bounds that plan writes", "plan again") from None
-    finder, verdict = StateFinder(robot), Verdict()
+    biped, bounds = biped_from(robot), Bounds.model_validate(gait.bounds)
+    finder, verdict = StateFinder(robot), Verdict(bounds=dict(gait.bounds))
     borders = gait.motion.borders
     edge_states: list[tuple[FullState, FullState]] = []
     ends: dict[int, tuple[Array, Array]] = {}
@@ -211,7 +203,7 @@ def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, in
         )
         _feet(verdict, biped, gait, index, o, recorder.layout)
         wrench = gait.wrenches(index, times)
-        verdict.hull_margin = min(verdict.hull_margin, 1e3 * hull_margin(biped, phase, wrench))
+        verdict.hull_margin = _smaller(verdict.hull_margin, 1e3 * hull_margin(biped, phase, wrench))
         if report is not None:
             report(index + 1, len(gait.motion.phases))
     _seams(verdict, gait, biped, finder, edge_states)
@@ -222,7 +214,7 @@ def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, in
             column = ends[index][1 if condition.border else 0]
             value = constant + sum(factor * column[k] for k, factor in form.items())
             verdict.conditions.append((condition.quantity, condition.value, float(value)))
-    _judge(verdict)
+    _judge(verdict, gait.certificate)
     return verdict
 
 
@@ -235,18 +227,18 @@ def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layo
         for y in (-sole.half_width, sole.half_width):
             height = o[layout.pivot + 2] - o[layout.foot_pitch] * (x - pivot) + o[layout.foot_roll] * y
             lowest = np.minimum(lowest, height)
-    verdict.penetration = max(verdict.penetration, -1e3 * float(lowest.min()))
+    verdict.penetration = _larger(verdict.penetration, -1e3 * lowest.min())
     if phase.double:
         return
     count = len(lowest)
     begin = count // 2 if gait.motion.lifts(index) else 0
     end = count // 2 if gait.motion.lands(index) else count
     middle = lowest[begin : max(end, begin + 1)]
-    verdict.clearance = min(verdict.clearance, 1e3 * float(middle.min()))
+    verdict.clearance = _smaller(verdict.clearance, 1e3 * middle.min())
     fz = o[layout.force + 2]
     x, y = -o[layout.moment + 1] / fz, o[layout.moment] / fz
     margin = np.minimum(np.minimum(x + sole.heel, sole.toe - x), sole.half_width - np.abs(y))
-    verdict.zmp_margin = min(verdict.zmp_margin, 1e3 * float(margin.min()))
+    verdict.zmp_margin = _smaller(verdict.zmp_margin, 1e3 * margin.min())
 
 
 def _seams(
@@ -259,7 +251,7 @@ def _seams(
         for one, two in pairwise(pieces):
             left = np.polynomial.chebyshev.chebval(1.0, one.torque.T)
             right = np.polynomial.chebyshev.chebval(-1.0, two.torque.T)
-            verdict.torque_jump = max(verdict.torque_jump, float(np.abs(left - right).max()))
+            verdict.torque_jump = _larger(verdict.torque_jump, np.abs(left - right).max())
     pairs = [(gait, index, gait, index + 1, edges[index][1], edges[index + 1][0]) for index in range(last)]
     if gait.motion.cyclic:
         image = follow(gait, gait, True, biped.partner, biped.sign)
@@ -269,24 +261,34 @@ def _seams(
     for before, i, after, j, end, begin in pairs:
         t0 = np.array([borders[i + 1]])
         t1 = np.array([after.pieces[j][0].start])
-        jump = float(np.abs(before.torques(i, t0) - after.torques(j, t1)).max())
-        verdict.torque_jump = max(verdict.torque_jump, jump)
-        turn = 2.0 * np.arccos(min(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
+        jump = np.abs(before.torques(i, t0) - after.torques(j, t1)).max()
+        verdict.torque_jump = _larger(verdict.torque_jump, jump)
+        turn = 2.0 * np.arccos(_smaller(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
         found = {
             "position_m": float(np.abs(end.position[:3] - begin.position[:3]).max()),
-            "angle_rad": max(float(np.abs(end.position[7:] - begin.position[7:]).max()), turn),
+            "angle_rad": _larger(np.abs(end.position[7:] - begin.position[7:]).max(), turn),
             "velocity": float(np.abs(end.velocity - begin.velocity).max()),
             "acceleration": float(np.abs(end.acceleration - begin.acceleration).max()),
         }
         for name, value in found.items():
-            verdict.seam[name] = max(verdict.seam[name], value)
+            verdict.seam[name] = _larger(verdict.seam[name], value)
 
 
-def _judge(verdict: Verdict) -> None:
+def _larger(one: float, two: float) -> float:
+    """The larger number; NaN if either is."""
+    return float(np.maximum(one, two))
+
+
+def _smaller(one: float, two: float) -> float:
+    """The smaller number; NaN if either is."""
+    return float(np.minimum(one, two))
+
+
+def _judge(verdict: Verdict, stored: dict[str, Any]) -> None:
     """Everything that fails, in words."""
     problems = verdict.problems
     for item in ranked(verdict.worst):
-        if item.violation > ALLOWED or not np.isfinite(item.value):
+        if not (item.violation <= ALLOWED and np.isfinite(item.value)):
             value = f"{item.value:.6g} of {item.limit:.6g} {item.unit}"
             problems.append(f"{item.constraint}: {value} at {item.time:.4g} s ({item.phase})")
     for name, limit in CLOSURE.items():
@@ -304,3 +306,7 @@ def _judge(verdict: Verdict) -> None:
     for name, wanted, found in verdict.conditions:
         if not abs(wanted - found) <= CONDITION:
             problems.append(f"{name}: {found:.6g}, wanted {wanted:.6g}")
+    for name, margin in (("ZMP margin", verdict.zmp_margin), ("ZMP hull margin", verdict.hull_margin)):
+        if np.isnan(margin):
+            problems.append(f"{name}: not a number")
+    problems += disagreements(stored, verdict.worst)
