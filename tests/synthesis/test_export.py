@@ -7,7 +7,7 @@ import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.simulation.record import read_log
-from gaitsmith.synthesis.export import column_names, export_gait, gait_rows
+from gaitsmith.synthesis.export import LARGEST, column_names, export_gait, gait_rows
 
 RATE = 2000.0
 
@@ -58,3 +58,19 @@ def test_files(dynamic, robot, tmp_path):
 def test_rates_that_cannot_be_used(dynamic, robot, rate):
     with pytest.raises(BadInput, match="rate"):
         gait_rows(dynamic.gait, robot, rate)
+
+
+def test_work_is_bounded(dynamic, robot, tmp_path):
+    columns = len(column_names(robot.joint_names))
+    with pytest.raises(BadInput, match=f"rate.*{LARGEST // columns} rows"):
+        export_gait(dynamic.gait, robot, tmp_path / "a.csv", "csv", 1000.0, steps=1000)
+    with pytest.raises(BadInput, match=r"steps.*7200"):
+        export_gait(dynamic.gait, robot, tmp_path / "a.csv", "csv", 1.0, steps=7201)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_progress_is_reported(dynamic, robot, tmp_path):
+    told = []
+    count = export_gait(dynamic.gait, robot, tmp_path / "a.csv", "csv", 1000.0, 10, lambda *done: told.append(done))
+    assert told[-1] == (count, count)
+    assert len(told) > 1

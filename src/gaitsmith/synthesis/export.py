@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import write_text_atomic
+from gaitsmith.files import regular_target, write_bytes_atomic
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.record import Log
-from gaitsmith.synthesis.biped import biped_from
-from gaitsmith.synthesis.full_state import StateFinder
-from gaitsmith.synthesis.gait import Gait, unrolled
+from gaitsmith.synthesis.gait import Gait
+from gaitsmith.synthesis.repetition import Repetition
 
 Array = npt.NDArray[np.float64]
 FORMATS = ("csv", "mcap")
-_LARGEST = 2_000_000  # rows
+LARGEST = 20_000_000  # numbers in a file, rows times columns
+_BLOCK = 2_000  # rows computed at a time
+_Report = Callable[[int, int], None]
 _AXES = ("x", "y", "z")
 
 
@@ -37,7 +40,31 @@ def column_names(joints: tuple[str, ...]) -> list[str]:
     return found
 
 
-def gait_rows(gait: Gait, robot: Robot, rate: float, steps: int = 1) -> Array:
+def _blocks(whole: Repetition, count: int, rate: float, report: _Report | None) -> Iterator[Array]:
+    """The rows, some at a time."""
+    for first in range(0, count, _BLOCK):
+        times = np.arange(first, min(first + _BLOCK, count)) / rate
+        found = whole.at(np.minimum(times, whole.duration))
+        parts = (found.position, found.velocity, found.acceleration, found.torque, found.wrench)
+        yield np.concatenate([times[:, None], *parts], axis=1)
+        if report is not None:
+            report(first + len(times), count)
+
+
+def _prepared(gait: Gait, robot: Robot, rate: float, steps: int) -> tuple[Repetition, int]:
+    """What the rows come from, and their number."""
+    if not (np.isfinite(rate) and rate > 0.0):
+        raise BadInput("--rate", rate, "a positive number of rows per second")
+    whole, columns = Repetition(gait, robot, steps), len(column_names(robot.joint_names))
+    most = LARGEST // columns
+    count = np.floor(whole.duration * rate * (1.0 + 1e-12)) + 1.0
+    if count > most:
+        valid = f"at most {(most - 1) / whole.duration:.6g} for {whole.duration:g} s"
+        raise BadInput("--rate", rate, valid, f"a file holds {most} rows of {columns} numbers at most")
+    return whole, int(count)
+
+
+def gait_rows(gait: Gait, robot: Robot, rate: float, steps: int = 1, report: _Report | None = None) -> Array:
     """(N, columns) rows at a fixed rate, both ends of the motion included where the rate allows.
 
     Time; base position and quaternion w x y z; joint angles; base linear (world) and angular (body) velocity; joint
@@ -49,52 +76,41 @@ def gait_rows(gait: Gait, robot: Robot, rate: float, steps: int = 1) -> Array:
         robot: the robot that it was planned for.
         rate: Hz.
         steps: of a cyclic gait.
+        report: told the number of rows done, and of all.
 
     Raises:
-        BadInput: a rate that is not positive or gives more than two million rows.
+        BadInput: a rate that is not positive or gives more than twenty million numbers, or too many steps.
     """
-    if not (np.isfinite(rate) and rate > 0.0):
-        raise BadInput("--rate", rate, "a positive number of rows per second")
-    biped = biped_from(robot)
-    whole = unrolled(gait, biped.partner, biped.sign, steps)
-    count = int(np.floor(whole.duration * rate * (1.0 + 1e-12))) + 1
-    if count > _LARGEST:
-        raise BadInput("--rate", rate, f"at most {_LARGEST / whole.duration:.6g} for {whole.duration:g} s")
-    times = np.arange(count) / rate
-    finder, borders = StateFinder(robot), whole.motion.borders
-    index = np.clip(np.searchsorted(borders, times, side="right") - 1, 0, len(borders) - 2)
-    rows = np.zeros((count, len(column_names(robot.joint_names))))
-    nq, nv = robot.model.nq, robot.model.nv
-    for number, phase in enumerate(whole.motion.phases):
-        mask = np.flatnonzero(index == number)
-        if len(mask) == 0:
-            continue
-        q, v, a = whole.joints(number, times[mask])
-        torque, wrench = whole.torques(number, times[mask]), whole.wrenches(number, times[mask])
-        for k, row in enumerate(mask):
-            state = finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
-            rows[row, 1 : 1 + nq] = state.position
-            rows[row, 1 + nq : 1 + nq + nv] = state.velocity
-            rows[row, 1 + nq + nv : 1 + nq + 2 * nv] = state.acceleration
-        rows[mask, 1 + nq + 2 * nv :] = np.vstack([torque, wrench]).T
-    rows[:, 0] = times
-    return rows
+    whole, count = _prepared(gait, robot, rate, steps)
+    return np.concatenate(list(_blocks(whole, count, rate, report)))
 
 
-def export_gait(gait: Gait, robot: Robot, path: Path, form: str, rate: float, steps: int = 1) -> int:
+def export_gait(
+    gait: Gait, robot: Robot, path: Path, form: str, rate: float, steps: int = 1, report: _Report | None = None
+) -> int:
     """Write a gait's rows, whole or not at all; returns their number.
 
+    Args:
+        gait, robot, rate, steps, report: as for :func:`gait_rows`.
+        path: the file.
+        form: csv or mcap.
+
     Raises:
-        BadInput: an unknown format, a rate that cannot be used, or a file that cannot be written.
+        BadInput: an unknown format, a rate or a number of steps that cannot be used, or a file that cannot be written.
     """
     if form not in FORMATS:
         raise BadInput("--format", form, f"one of {', '.join(FORMATS)}")
-    rows = gait_rows(gait, robot, rate, steps)
+    regular_target(path)
     names = column_names(robot.joint_names)
     if form == "csv":
-        lines = [",".join(names)] + [",".join(repr(value) for value in row) for row in rows.tolist()]
-        write_text_atomic(path, "\n".join(lines) + "\n")
-    else:
-        notes = {"robot": gait.robot, "motion": gait.motion.name, "rate": rate}
-        Log(("time", *names[1:]), rows, notes=notes).write(path)
+        whole, count = _prepared(gait, robot, rate, steps)
+        text = io.BytesIO()
+        text.write((",".join(names) + "\n").encode())
+        for block in _blocks(whole, count, rate, report):
+            text.write("".join(",".join(map(repr, row)) + "\n" for row in block.tolist()).encode())
+        write_bytes_atomic(path, text.getvalue())
+        return count
+    rows = gait_rows(gait, robot, rate, steps, report)
+    notes = {"robot": gait.robot, "motion": gait.motion.name, "rate": rate}
+    Log(("time", *names[1:]), rows, notes=notes).write(path)
     return len(rows)

@@ -1,0 +1,32 @@
+"""A gait repeated is the gait written out step by step."""
+
+import numpy as np
+import pytest
+
+from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.gait import unrolled
+from gaitsmith.synthesis.repetition import LONGEST, Repetition
+
+SAME = 1e-6  # rad, m, N or N·m: where steps meet, curves agree to this
+
+
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_equal_to_the_steps_written_out(dynamic, robot, planner, steps):
+    whole = unrolled(dynamic.gait, planner.biped.partner, planner.biped.sign, steps)
+    repeated = Repetition(dynamic.gait, robot, steps)
+    assert np.isclose(repeated.duration, whole.duration)
+    times = np.linspace(0.0, whole.duration, 97)
+    found = repeated.at(times)
+    for k, time in enumerate(times):
+        phase, instant = whole.phase_at(time), np.array([time])
+        assert np.abs(found.position[k, 7:] - whole.joints(phase, instant)[0][:, 0]).max() < SAME
+        assert np.abs(found.torque[k] - whole.torques(phase, instant)[:, 0]).max() < SAME
+        assert np.abs(found.wrench[k] - whole.wrenches(phase, instant)[:, 0]).max() < SAME
+    assert np.abs(np.diff(found.position[:, 0])).max() < 2.0 * whole.duration / 96
+
+
+def test_an_hour_is_the_most(dynamic, robot):
+    most = int(LONGEST / dynamic.gait.duration)
+    assert Repetition(dynamic.gait, robot, most).duration <= LONGEST
+    with pytest.raises(BadInput, match=f"--steps.*{most}"):
+        Repetition(dynamic.gait, robot, most + 1)
