@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
 from pathlib import Path
 
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded, write_bytes_atomic, write_text_atomic
+from gaitsmith.files import read_bounded, uninterrupted, why_unwritable, write_bytes_atomic, write_text_atomic
 
 
 def test_writes_whole_and_leaves_nothing_else(tmp_path: Path) -> None:
@@ -70,3 +71,39 @@ def test_reads_within_bounds(tmp_path: Path) -> None:
     for bad in (tmp_path, tmp_path / "none", tmp_path / "pipe", "/dev/zero", "nul\0"):
         with pytest.raises(BadInput):
             read_bounded(bad, 10)
+
+
+def test_only_files_are_replaced(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "ring").symlink_to("ring")
+    for name in ("pipe", "ring", "new/", ".", ".."):
+        with pytest.raises(BadInput):
+            write_bytes_atomic(f"{tmp_path}/{name}", b"x")
+    with pytest.raises(BadInput, match="regular file"):
+        write_bytes_atomic("/dev/null", b"x")
+    assert not Path("/dev/null").is_file()
+    assert sorted(os.listdir(tmp_path)) == ["pipe", "ring"]
+
+
+def test_a_link_is_followed_and_stays(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    link, real = tmp_path / "link", tmp_path / "folder" / "real"
+    link.symlink_to(real)
+    for content in (b"first", b"second"):
+        write_bytes_atomic(link, content)
+        assert real.read_bytes() == content
+    assert link.is_symlink()
+    assert os.listdir(tmp_path / "folder") == ["real"]
+
+
+def test_why_nothing_can_be_written(tmp_path: Path) -> None:
+    assert why_unwritable(tmp_path) == ""
+    assert why_unwritable(tmp_path / "missing")
+    assert os.listdir(tmp_path) == []
+
+
+def test_ctrl_c_is_ignored_where_it_would_leave_halves() -> None:
+    with uninterrupted():
+        signal.raise_signal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)

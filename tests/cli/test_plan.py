@@ -76,6 +76,9 @@ def test_play_and_export(gait, tmp_path, capsys):
         (["plan", "kick", "--period", "1"], 2),
         (["plan", "cyclic", "--step-length", "0.7", "--period", "1.0", "--time-limit", "10"], 3),
         (["verify", "nowhere.json"], 2),
+        (["verify", "nowhere.json", "--dense", "1000000000"], 2),
+        (["plan", "cyclic", "--out", "/dev/null"], 2),
+        (["plan", "--claims", "--robot", "bhr_b2"], 2),
         (["export", "nowhere.json"], 2),
         (["play", "nowhere.json", "--friction", "-1"], 2),
     ],
@@ -107,6 +110,16 @@ def test_an_unsolved_plan_leaves_no_file(tmp_path, capsys):
     assert document["status"] == "not solved"
     assert document["reason"]
     assert not path.exists()
+
+
+def test_an_export_keeps_the_whole_name_and_never_the_gait(gait, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    named = tmp_path / "walk v0.40"
+    named.write_bytes(gait.read_bytes())
+    assert main(["export", named.name, "--rate", "50", "--json"]) == 0
+    assert _document(capsys)["file"] == str(tmp_path / "walk v0.40.csv")
+    assert main(["export", named.name, "--rate", "50", "--out", named.name]) == 2
+    assert named.read_bytes() == gait.read_bytes()
 
 
 @pytest.mark.parametrize("rate", ["0", "-5", "inf"])

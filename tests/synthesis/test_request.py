@@ -5,7 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.request import stride
+from gaitsmith.synthesis.request import RANGES, stride
+
+RANGES_IN_ORDER = ("--speed", "--step-length", "--period")
 
 
 @given(st.floats(0.05, 0.5), st.floats(0.4, 1.0))
@@ -30,3 +32,24 @@ def test_one_follows_the_papers_two_gaits():
 def test_what_does_not_agree_is_refused(given):
     with pytest.raises(BadInput, match="--"):
         stride(*given)
+
+
+@given(st.floats(0.01, 2.0), st.floats(0.005, 1.0), st.floats(0.1, 10.0))
+def test_what_is_derived_is_in_range_too(speed, length, period):
+    for values in ((speed, None, period), (None, length, period), (speed, length, None), (speed, None, None)):
+        try:
+            found, time = stride(*values)
+        except BadInput as error:
+            assert "--" in error.field
+        else:
+            for flag, value in (("--speed", found / time), ("--step-length", found), ("--period", time)):
+                low, high = RANGES[flag]
+                assert low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("given", [(0.01, 1.0, None), (2.0, None, 10.0), (None, 1.0, 0.1), (0.01, None, None)])
+def test_what_is_derived_out_of_range_names_what_was_given(given):
+    with pytest.raises(BadInput) as caught:
+        stride(*given)
+    flags = [flag for flag, value in zip(RANGES_IN_ORDER, given, strict=True) if value is not None]
+    assert all(flag in caught.value.field for flag in flags)

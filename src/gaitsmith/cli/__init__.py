@@ -6,6 +6,7 @@ Importing this package costs next to nothing, so that Ctrl-C is heard before any
 from __future__ import annotations
 
 import os
+import signal
 import sys
 
 TYPE_CHECKING = False
@@ -32,5 +33,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
             return run(list(sys.argv[1:] if words is None else words), interrupts)
     except KeyboardInterrupt:
+        if words is None:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
         os.write(2, b"gaitsmith: interrupted: nothing was recorded yet\n")
         return 130

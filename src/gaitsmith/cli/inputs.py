@@ -44,11 +44,10 @@ def planned_gait(path: str, robot: str | None, allow_edited: bool = False) -> tu
     if robot is None:
         return gait, load_robot_of(gait), intact
     loaded = named_robot(robot)
-    try:
-        require_robot(gait, loaded)
-    except BadInput:
+    if gait.robot_hash != loaded.content_hash:
         valid = f"the robot that the gait was planned for, {gait.robot[:60]} with hash {gait.robot_hash[:12]}"
-        raise BadInput("--robot", robot, valid, "plan again for this one") from None
+        raise BadInput("--robot", robot, valid, "plan again for this one")
+    require_robot(gait, loaded)
     return gait, loaded, intact
 
 

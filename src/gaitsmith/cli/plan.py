@@ -12,6 +12,7 @@ from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome
 from gaitsmith.cli.inputs import named_robot
 from gaitsmith.cli.plan_arguments import CLAIMS, SWEEP, PlanArguments, request_from, task_of
 from gaitsmith.cli.run_folder import check_file, check_new_folder, new_folder
+from gaitsmith.errors import BadInput
 from gaitsmith.files import uninterrupted
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ def plan(words: list[str], program: str) -> Outcome:
     inputs = (arguments.motion or "", arguments.robot)
     out = check_file(arguments.out, inputs) if arguments.out is not None else None
     figures = check_new_folder(arguments.figures, "--figures") if arguments.figures is not None else None
+    if out is not None and out == figures:
+        raise BadInput("--figures", arguments.figures, "another name than that of the gait file")
     request = request_from(arguments, task)
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import Planner, answer, plan_document

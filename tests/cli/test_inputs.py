@@ -1,0 +1,44 @@
+"""A gait file and its robot are found together, or what does not fit is named as the user wrote it."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from gaitsmith.cli.inputs import given_steps, named_robot, planned_gait
+from gaitsmith.errors import BadInput
+
+
+def gait_of(robot: str, cyclic: bool) -> Any:
+    motion = SimpleNamespace(name="kick", cyclic=cyclic)
+    return SimpleNamespace(robot=robot, robot_hash="0" * 64, joint_names=(), motion=motion)
+
+
+def test_steps_are_for_cyclic_gaits() -> None:
+    assert given_steps(None, gait_of("thbip_ii", False), 20) == 20
+    assert given_steps(3, gait_of("thbip_ii", True), 20) == 3
+    with pytest.raises(BadInput, match="--steps: got 3, expected nothing for kick"):
+        given_steps(3, gait_of("thbip_ii", False), 20)
+
+
+def test_an_unknown_robot_is_named_by_its_flag() -> None:
+    with pytest.raises(BadInput, match="--robot: got 'nobody'"):
+        named_robot("nobody")
+
+
+@pytest.mark.parametrize(
+    ("planned", "given", "parts"),
+    [
+        ("somebody", None, ["--robot: got nothing", "somebody"]),
+        ("thbip_ii", "bhr_b2", ["--robot: got 'bhr_b2'", "thbip_ii"]),
+    ],
+)
+def test_another_robot_is_refused(
+    planned: str, given: str | None, parts: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = lambda path, allow_edited: (gait_of(planned, True), True)  # noqa: E731
+    monkeypatch.setattr("gaitsmith.synthesis.gait_file.read_gait", read)
+    with pytest.raises(BadInput) as caught:
+        planned_gait("gait.json", given)
+    assert all(part in str(caught.value) for part in parts)
+    assert given is None or "give --robot" not in str(caught.value)

@@ -1,0 +1,64 @@
+"""Ctrl-C is one line and code 130, whenever and however often it comes."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from gaitsmith.cli.interrupts import Interrupts
+
+# Sent by the program itself as soon as the first of its modules is imported: before anything heavy, then again.
+EARLY = """
+import signal, sys
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name in {names}:
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+from gaitsmith.cli import main
+code = main()
+signal.raise_signal(signal.SIGINT)
+sys.exit(code)
+"""
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("gaitsmith.cli.interrupts",),
+        ("gaitsmith.cli.dispatch",),
+        ("gaitsmith.cli.dispatch", "gaitsmith.cli.plan"),
+        ("gaitsmith.cli.plan", "gaitsmith.synthesis"),
+        ("numpy", "mujoco"),
+    ],
+)
+def test_while_modules_are_loaded(names: tuple[str, ...]) -> None:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    words = [sys.executable, "-c", EARLY.format(names=names), "plan", "cyclic", "--speed", "0.4"]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment, timeout=60, check=False)
+    assert done.returncode == 130
+    assert done.stderr == "gaitsmith: interrupted: nothing was recorded yet\n"
+    assert done.stdout == ""
+
+
+def test_pressed_again_at_once_is_the_same_wish() -> None:
+    with Interrupts() as interrupts:
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        assert interrupts.seen
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_an_ignored_ctrl_c_stays_ignored() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with Interrupts(ending=True):
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,31 @@
+"""What comes from a file cannot command the terminal, and a number that does not exist is a dash."""
+
+import io
+import sys
+
+import pytest
+from rich.table import Table
+
+from gaitsmith.cli.printing import Printer, figure
+
+NASTY = "\x1b]0;title\x07\x1b[2J phase\u202e\x9b31m"
+
+
+def test_control_characters_are_shown_not_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", shown)
+    table = Table(title=NASTY)
+    table.add_column(NASTY)
+    table.add_row(NASTY)
+    printer = Printer()
+    printer.print(table)
+    printer.print(f"{NASTY}, 40 N·m/s²", soft_wrap=True)
+    text = shown.getvalue()
+    assert all(line.isprintable() for line in text.splitlines())
+    assert "phase" in text
+    assert "40 N·m/s²" in text
+
+
+def test_figures() -> None:
+    assert figure(1.25, ".1f") == "1.2"
+    assert figure(None, ".1f") == figure(float("nan"), ".1f") == figure(float("inf"), ".3g") == "-"

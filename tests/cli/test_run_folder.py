@@ -1,0 +1,61 @@
+"""Outputs are refused before the work, and in the end all of them are there or none."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from gaitsmith.cli import plan as command
+from gaitsmith.cli.run_folder import check_file
+from gaitsmith.errors import BadInput
+
+
+def test_files_that_cannot_be_written(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("pipe", "new/", "missing/file", "x" * 300):
+        with pytest.raises(BadInput, match="--out"):
+            check_file(f"{tmp_path}/{name}")
+    with pytest.raises(BadInput, match="--out"):
+        check_file("/dev/null")
+    assert os.listdir(tmp_path) == ["pipe"]
+    assert check_file(str(tmp_path / "new")) == tmp_path / "new"
+
+
+def test_what_is_read_is_not_replaced(tmp_path: Path) -> None:
+    given = tmp_path / "given"
+    given.write_text("x")
+    (tmp_path / "link").symlink_to(given)
+    (tmp_path / "twin").hardlink_to(given)
+    for name in ("given", "link", "twin", "../" + tmp_path.name + "/given"):
+        with pytest.raises(BadInput, match="which is read"):
+            check_file(str(tmp_path / name), [str(given)])
+    check_file(str(tmp_path / "other"), [str(given), "thbip_ii"])
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+@pytest.mark.parametrize("broken", ["figures", "gait"])
+def test_gait_and_figures_are_both_there_or_neither(
+    error: type[BaseException], broken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fails = [broken]
+
+    def draw(gait: object, robot: object, folder: Path) -> list[Path]:
+        (folder / "one.png").write_text("a figure")
+        if "figures" in fails:
+            raise error
+        return [folder / "one.png"]
+
+    def write(path: Path, gait: object) -> None:
+        if "gait" in fails:
+            raise error
+        path.write_text("a gait")
+
+    monkeypatch.setattr("gaitsmith.view.gait_figures.write_gait_figures", draw)
+    monkeypatch.setattr("gaitsmith.synthesis.write_gait", write)
+    out, figures = tmp_path / "gait.json", tmp_path / "figures"
+    with pytest.raises(error):
+        command._write(None, None, out, figures)
+    assert os.listdir(tmp_path) == []
+    fails.clear()
+    assert command._write(None, None, out, figures) == [str(figures / "one.png")]
+    assert sorted(os.listdir(tmp_path)) == ["figures", "gait.json"]
