@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.biped import Biped
 from gaitsmith.synthesis.layout import Layout
-from gaitsmith.synthesis.motion import Limit, Motion, Phase
+from gaitsmith.synthesis.motion import Motion, Phase
 from gaitsmith.synthesis.settings import Bounds
 
 Array = npt.NDArray[np.float64]
@@ -183,6 +184,18 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
     gap = 2.0 * sole.half_width + bounds.foot_gap
     found.append(Bound("foot separation", "m", {layout.pivot + 1: 1.0}, {}, gap, np.inf, biped.width))
     return found
+
+
+def check_margin(biped: Biped, bounds: Bounds) -> None:
+    """Refuse a ZMP margin that leaves nothing of the sole.
+
+    Raises:
+        BadInput: the margin is at least half of the sole's width or length.
+    """
+    sole = biped.leg("left").sole
+    widest = min(sole.half_width, (sole.heel + sole.toe) / 2.0)
+    if bounds.zmp_margin >= widest:
+        raise BadInput("zmp_margin", bounds.zmp_margin, f"less than {widest:g} m, half of this robot's sole")
 
 
 def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:

@@ -7,8 +7,11 @@ import numpy as np
 
 from gaitsmith.synthesis.ipopt import Solution
 from gaitsmith.synthesis.program import Program
+from gaitsmith.synthesis.relaxation import Excess
 from gaitsmith.synthesis.rows import Label
 from gaitsmith.synthesis.transcription import Transcription
+
+_TOLD = 2  # bounds that a reason names
 
 
 def place(trans: Transcription, phase: int, time: float) -> str:
@@ -24,8 +27,14 @@ def place(trans: Transcription, phase: int, time: float) -> str:
     return f"{share:.0f} % of {stretch}"
 
 
+def lacking(trans: Transcription, excesses: list[Excess]) -> str:
+    """What a request would take that the robot does not have: "right_knee torque 178 of 40 N·m at 97 % of ..."."""
+    said = [f"{_pair(e.label, e.value, e.limit)} at {place(trans, e.label.phase, e.label.time)}" for e in excesses]
+    return f"no solution: it would take {', and '.join(said[:_TOLD])}"
+
+
 def explain(trans: Transcription, program: Program, found: Solution, late: bool) -> str:
-    """The constraint that could not be met, its value and limit, and where."""
+    """The row that could not be met, its value and limit, and where."""
     z, o = program.evaluate(found.x)
     if not (np.isfinite(z).all() and np.isfinite(o).all()):
         return "the solver left the range of finite numbers; the request is far from anything this robot can do"
@@ -33,16 +42,22 @@ def explain(trans: Transcription, program: Program, found: Solution, late: bool)
     gaps = program.violation(values)
     ending = "no solution within the time limit" if late else "no solution"
     if gaps.max(initial=0.0) < 1e-6:
-        return f"{ending}: every constraint holds, but the objective is not at its least ({found.status})"
+        return f"{ending}: every constraint holds, but the torques are not at their least yet"
     unequal = program.high - program.low > 0.0
     # A bound says more than the closure that it makes impossible.
     bound_gaps = np.where(unequal, gaps, 0.0)
     row = int(np.argmax(bound_gaps)) if bound_gaps.max(initial=0.0) > 1e-4 else int(np.argmax(gaps))
     label: Label = program.labels[row]
-    value = float(values[row]) * label.span
-    limit = float(program.low[row] if values[row] < program.low[row] else program.high[row]) * label.span
-    unit = f" {label.unit}" if label.unit else ""
-    return f"{ending}: {label.name} {value:.3g} of {limit:.3g}{unit} at {place(trans, label.phase, label.time)}"
+    limit = float(program.low[row] if values[row] < program.low[row] else program.high[row])
+    pair = _pair(label, label.shown(float(values[row])), label.shown(limit))
+    return f"{ending}: {pair} at {place(trans, label.phase, label.time)}"
+
+
+def _pair(label: Label, value: float, limit: float) -> str:
+    """A value beside its limit; what is measured from its limit is told as such."""
+    if limit == 0.0:
+        return f"{label.name} {abs(value):.3g} {label.unit} beyond its limit"
+    return f"{label.name} {value:.3g} of {limit:.3g} {label.unit}"
 
 
 def out_of_reach(trans: Transcription) -> str:

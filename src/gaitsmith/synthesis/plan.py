@@ -12,24 +12,28 @@ import numpy.typing as npt
 
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.biped import Biped, biped_from
+from gaitsmith.synthesis.bounds import check_margin
 from gaitsmith.synthesis.certificate import ALLOWED, Worst, merge, ranked
 from gaitsmith.synthesis.closure import finished_pieces
 from gaitsmith.synthesis.dense import DenseCheck, check, close_picks, new_picks, with_times, worst_violation
-from gaitsmith.synthesis.failure import explain, out_of_reach
+from gaitsmith.synthesis.failure import explain, lacking, out_of_reach
 from gaitsmith.synthesis.gait import Gait
 from gaitsmith.synthesis.guess import default_start
 from gaitsmith.synthesis.ipopt import Progress, Solution, solve_ipopt
 from gaitsmith.synthesis.motion import Motion
 from gaitsmith.synthesis.point import PointFunctions, point_functions
 from gaitsmith.synthesis.program import Pick, Program, all_picks, make_program
+from gaitsmith.synthesis.relaxation import relaxed
 from gaitsmith.synthesis.settings import Settings
 from gaitsmith.synthesis.sqp import solve_sqp
-from gaitsmith.synthesis.transcription import Transcription
+from gaitsmith.synthesis.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
 _ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
-_SELDOM = ("torque", "friction", "yaw moment")  # imposed only where the dense grid asks for it
+_CURVED = ("friction", "yaw moment")  # far from a solution these rows make the solver wander
+_SELDOM = ("torque", *_CURVED)  # imposed only where the dense grid asks for it
+_EXAMINATION = 20.0  # s, to find out why there is no solution
 _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
@@ -155,8 +159,12 @@ class Planner:
             neighbour: result for the same phases with nearby numbers, to start warm from.
             start: unknowns to start cold from; the default start if None.
             report: called at every iteration with the round and the progress.
+
+        Raises:
+            BadInput: the ZMP margin leaves nothing of the sole.
         """
         settings = settings or Settings()
+        check_margin(self.biped, settings.bounds)
         begin = time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
         impossible = out_of_reach(trans)
@@ -169,14 +177,10 @@ class Planner:
             picks = scaled_picks(neighbour.picks, neighbour.borders, motion.borders)
             x, found = neighbour.x, neighbour.solution
         else:
-            picks = [
-                pick
-                for pick in all_picks(trans, base)
-                if not trans.bounds[pick.phase][pick.bound].name.endswith(_SELDOM)
-            ]
+            picks = seldom_left_out(trans, base)
             x = default_start(trans) if start is None else start
         times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
-        iterations, rounds, fallbacks = 0, 0, 0
+        iterations, rounds, fallbacks, relaxed_once = 0, 0, 0, False
         deadline = begin + settings.time_limit
         self._compile_s = 0.0
         times["setup"] += time.perf_counter() - begin
@@ -195,7 +199,11 @@ class Planner:
                 program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found, fallbacks
             )
             if not found.solved:
-                return tally.result("not solved", explain(trans, program, found, time.perf_counter() > deadline), [])
+                possible, reason = self._examined(trans, base, program, found, deadline)
+                if possible is None or relaxed_once:
+                    return tally.result("not solved", reason, [])
+                picks, x, found, relaxed_once = seldom_left_out(trans, base), possible, None, True
+                continue
             clock = time.perf_counter()
             checks = check(trans, self.functions, x, settings.dense)
             times["check"] += time.perf_counter() - clock
@@ -216,6 +224,22 @@ class Planner:
         gait = self._gait(trans, x, worst, checks, tally)
         times["check"] += time.perf_counter() - clock
         return tally.result("solved", "", worst, gait)
+
+    def _examined(
+        self, trans: Transcription, base: Points, program: Program, found: Solution, deadline: float
+    ) -> tuple[Array | None, str]:
+        """Unknowns that meet everything, if there are any after all; and the reason why not, in words."""
+        late = time.perf_counter() > deadline
+        reason = explain(trans, program, found, late)
+        picks = [
+            pick for pick in all_picks(trans, base) if not trans.bounds[pick.phase][pick.bound].name.endswith(_CURVED)
+        ]
+        whole = make_program(trans, self.functions, base, picks)
+        limit = min(_EXAMINATION, trans.settings.time_limit)
+        least = relaxed(whole, default_start(trans), limit)
+        if least.excesses:
+            return None, lacking(trans, least.excesses)
+        return (least.x if least.solved and not late else None), reason
 
     def _solve(
         self,
@@ -278,6 +302,11 @@ def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
     for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values)
     return ranked(found)
+
+
+def seldom_left_out(trans: Transcription, base: Points) -> list[Pick]:
+    """All bounds at all points, without those that are imposed only where the dense grid asks for them."""
+    return [pick for pick in all_picks(trans, base) if not trans.bounds[pick.phase][pick.bound].name.endswith(_SELDOM)]
 
 
 def near_picks(program: Program, picks: list[Pick], found: Solution, o: Array) -> tuple[list[Pick], Solution]:

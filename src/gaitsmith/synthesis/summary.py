@@ -9,6 +9,7 @@ import numpy as np
 from gaitsmith.synthesis.biped import Biped
 from gaitsmith.synthesis.gait import Gait
 from gaitsmith.synthesis.request import Answer
+from gaitsmith.synthesis.verify import TORQUE_JUMP
 
 _SAMPLES = 200  # a phase
 
@@ -38,6 +39,17 @@ def zmp_margin(gait: Gait, biped: Biped) -> float:
     return found
 
 
+def torque_jump(gait: Gait, biped: Biped) -> float:
+    """Largest jump of a joint torque where sections meet, and at the seam of a cyclic gait, N·m."""
+    pieces = [piece for group in gait.pieces for piece in group]
+    starts = np.array([np.polynomial.chebyshev.chebval(-1.0, piece.torque.T) for piece in pieces])
+    ends = np.array([np.polynomial.chebyshev.chebval(1.0, piece.torque.T) for piece in pieces])
+    jumps = np.abs(ends[:-1] - starts[1:])
+    if gait.motion.cyclic:
+        jumps = np.vstack([jumps, np.abs(ends[-1] - biped.mirrored(starts[0]))])
+    return float(jumps.max(initial=0.0))
+
+
 def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> dict[str, Any]:
     """What ``gaitsmith plan --json`` prints."""
     main, results = found.main, found.results.values()
@@ -46,19 +58,26 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     worst = [item.as_dict() for item in main.worst]
     if gait is not None:
         worst = list(gait.certificate.get("worst", worst))
+    jump = None if gait is None else torque_jump(gait, biped)
+    warnings = []
+    if jump is not None and jump > TORQUE_JUMP:
+        warnings.append(f"torques jump by {jump:.2g} N·m, verify allows {TORQUE_JUMP:g}: plan with --order 5")
     return {
         "status": main.status,
         "reason": main.reason,
         "motion": kind,
-        "objective": sum(item.objective for item in results) if kind == "walk" else main.objective,
+        "objective": _objective(found, kind),
         "iterations": sum(item.iterations for item in results),
         "refinements": sum(item.rounds for item in results),
         "time_s": times,
-        "variables": main.variables,
-        "constraints": main.constraints,
+        "variables": sum(item.variables for item in results) if kind == "walk" else main.variables,
+        "constraints": sum(item.constraints for item in results) if kind == "walk" else main.constraints,
+        "fallbacks": sum(item.fallbacks for item in results),
         "duration": None if gait is None else gait.duration,
         "max_torque": None if gait is None else peak_torques(gait),
         "zmp_margin_mm": None if gait is None else 1e3 * zmp_margin(gait, biped),
+        "torque_jump": jump,
+        "warnings": warnings,
         "worst": worst,
         "solves": {
             name: {"status": item.status, "iterations": item.iterations, "objective": item.objective, **item.times}
@@ -66,3 +85,11 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         },
         "file": file,
     }
+
+
+def _objective(found: Answer, kind: str) -> float | None:
+    """J of eq. (16) over the whole motion, every cycle of a walk counted; None where nothing was solved."""
+    if kind == "walk" and found.gait is not None:
+        cycles = found.gait.motion.parameters["cycles"]
+        return sum(item.objective * (cycles if name == "cyclic" else 1.0) for name, item in found.results.items())
+    return found.main.objective if np.isfinite(found.main.objective) else None
