@@ -13,6 +13,12 @@ from gaitsmith.robots import Robot
 Array = npt.NDArray[np.float64]
 
 
+def _cross(a: Array, b: Array) -> Array:
+    """(N, 3) cross products, without the checks of NumPy's own."""
+    ax, ay, az, bx, by, bz = (*np.moveaxis(a, -1, 0), *np.moveaxis(b, -1, 0))
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
 def _quaternion(axis: Array, angle: Array) -> Array:
     """(N, 4) quaternions w x y z of turns about one axis."""
     half = 0.5 * angle[:, None]
@@ -23,13 +29,13 @@ def _product(a: Array, b: Array) -> Array:
     """(N, 4) products of quaternions."""
     w, v = a[..., :1], a[..., 1:]
     scalar = w * b[..., :1] - np.sum(v * b[..., 1:], axis=-1, keepdims=True)
-    return np.concatenate([scalar, w * b[..., 1:] + b[..., :1] * v + np.cross(v, b[..., 1:])], axis=-1)
+    return np.concatenate([scalar, w * b[..., 1:] + b[..., :1] * v + _cross(v, b[..., 1:])], axis=-1)
 
 
 def _turned(q: Array, v: Array) -> Array:
     """(N, 3) vectors turned by quaternions."""
-    twice = 2.0 * np.cross(q[..., 1:], v)
-    return np.asarray(v + q[..., :1] * twice + np.cross(q[..., 1:], twice))
+    twice = 2.0 * _cross(q[..., 1:], v)
+    return np.asarray(v + q[..., :1] * twice + _cross(q[..., 1:], twice))
 
 
 class BaseMotion:
@@ -72,9 +78,9 @@ class BaseMotion:
         def move(arm: Array) -> None:
             """To a point that is fixed in the present body, ``arm`` away, base axes."""
             nonlocal place, speed, pull
-            spin = np.cross(omega, arm)
+            spin = _cross(omega, arm)
             place, speed = place + arm, speed + spin
-            pull = pull + np.cross(alpha, arm) + np.cross(omega, spin)
+            pull = pull + _cross(alpha, arm) + _cross(omega, spin)
 
         for body in path:
             move(_turned(turn, model.body_pos[body]))
@@ -87,11 +93,11 @@ class BaseMotion:
                 if int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE):
                     move(angle[:, None] * axis)
                     speed = speed + rate * axis
-                    pull = pull + change * axis + 2.0 * rate * np.cross(omega, axis)
+                    pull = pull + change * axis + 2.0 * rate * _cross(omega, axis)
                     continue
                 move(_turned(turn, model.jnt_pos[joint]))
                 turn = _product(turn, _quaternion(model.jnt_axis[joint], angle))
-                alpha = alpha + change * axis + rate * np.cross(omega, axis)
+                alpha = alpha + change * axis + rate * _cross(omega, axis)
                 omega = omega + rate * axis
                 move(-_turned(turn, model.jnt_pos[joint]))
         move(_turned(turn, model.site_pos[site]))
@@ -113,13 +119,13 @@ class BaseMotion:
             np.zeros((count, model.nv)),
             np.zeros((count, model.nv)),
         )
-        spin = np.cross(-omega, place)
+        spin = _cross(-omega, place)
         position[:, :2] = footholds
         position[:, :3] -= _turned(back, place)
         position[:, 3:7] = back
         velocity[:, :3] = -_turned(back, spin + speed)
         velocity[:, 3:6] = -omega
-        carried = np.cross(-alpha, place) + np.cross(-omega, spin) + 2.0 * np.cross(-omega, speed)
+        carried = _cross(-alpha, place) + _cross(-omega, spin) + 2.0 * _cross(-omega, speed)
         acceleration[:, :3] = -_turned(back, carried + pull)
         acceleration[:, 3:6] = -alpha
         position[:, 7:], velocity[:, 6:], acceleration[:, 6:] = (values.T for values in joints)

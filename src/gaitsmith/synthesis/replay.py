@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,19 +11,22 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import NonNegative, Parameters, Positive
-from gaitsmith.synthesis.biped import biped_from
-from gaitsmith.synthesis.full_state import StateFinder
-from gaitsmith.synthesis.gait import Gait, unrolled
-from gaitsmith.synthesis.support import zmp
+from gaitsmith.synthesis.gait import Gait
+from gaitsmith.synthesis.motion import Phase
+from gaitsmith.synthesis.repetition import Repetition
 
 Array = npt.NDArray[np.float64]
 _TICK, _SUBSTEPS = 1e-3, 2  # s between control ticks, physics steps in each
 _FALLEN_TILT, _FALLEN_HEIGHT = np.radians(45.0), 0.6
 _SOLREF = (0.005, 1.0)
 _SAMPLE = 10  # ticks between records
+_BLOCK = 1000  # ticks of the plan computed at a time
+_RESTING = 1e-6  # rad/s
 BALL_RADIUS, BALL_MASS = 0.05, 0.2
+_BALL_RANGE = 2.0  # m
 
 
 class ReplaySettings(Parameters):
@@ -88,38 +92,66 @@ class ReplayResult:
         return {key: value for key, value in vars(self).items() if key != "trace"}
 
 
-class _Reference:
-    """The plan sampled at every control tick."""
+@dataclass(frozen=True, eq=False)
+class _Wanted:
+    """The plan at one tick: phase, state, torque and ZMP."""
 
-    def __init__(self, robot: Robot, gait: Gait, settle: float) -> None:
-        borders = gait.motion.borders
-        count = round(float(borders[-1]) / _TICK)
-        times: Array = np.arange(count + 1, dtype=np.float64) * _TICK
-        n = len(gait.joint_names)
-        self.phase = np.clip(np.searchsorted(borders, times, side="right") - 1, 0, len(borders) - 2)
-        self.q, self.v, self.a = np.zeros((count + 1, n)), np.zeros((count + 1, n)), np.zeros((count + 1, n))
-        self.torque, self.zmp = np.zeros((count + 1, n)), np.zeros((count + 1, 2))
-        for index, phase in enumerate(gait.motion.phases):
-            mask = np.flatnonzero(self.phase == index)
-            if len(mask) == 0:
-                continue
-            q, v, a = gait.joints(index, times[mask])
-            self.q[mask], self.v[mask], self.a[mask] = q.T, v.T, a.T
-            self.torque[mask] = gait.torques(index, times[mask]).T
-            self.zmp[mask] = zmp(phase, gait.wrenches(index, times[mask])).T
-        self.hold = int(settle / _TICK) if np.abs(self.v[-1]).max() < 1e-6 else 0
-        self.ticks = count + self.hold
-        finder = StateFinder(robot)
-        self.base, self.spin = np.zeros((count + 1, 7)), np.zeros((count + 1, 3))
-        for k in range(count + 1):
-            phase = gait.motion.phases[self.phase[k]]
-            state = finder.find(phase.support, phase.foothold, self.q[k], self.v[k], self.a[k])
-            self.base[k], self.spin[k] = state.position[:7], state.velocity[3:6]
-            if k == 0:
-                self.start = state
+    phase: Phase
+    position: Array
+    velocity: Array
+    torque: Array
+    zmp: Array
 
 
-def _model(robot: Robot, gait: Gait, settings: ReplaySettings) -> Any:
+class _Plan:
+    """The plan at every control tick, computed a block of ticks at a time; its end is held for a while if at rest."""
+
+    def __init__(self, whole: Repetition, settle: float) -> None:
+        self._whole = whole
+        self.last = round(whole.duration / _TICK)
+        self._first = -1
+        self.ticks = self.last
+        self.ticks += int(settle / _TICK) if np.abs(self.at(self.last).velocity[6:]).max() < _RESTING else 0
+
+    def at(self, tick: int) -> _Wanted:
+        """What is planned at a tick; beyond the end, what is planned there."""
+        tick = min(tick, self.last)
+        k = tick % _BLOCK
+        if tick - k != self._first:
+            self._first = tick - k
+            times = np.arange(self._first, min(self._first + _BLOCK, self.last + 1)) * _TICK
+            self._block = self._whole.at(np.minimum(times, self._whole.duration))
+        found = self._block
+        return _Wanted(found.phases[k], found.position[k], found.velocity[k], found.torque[k], found.zmp[k])
+
+
+def _ball(gait: Gait) -> tuple[float, float] | None:
+    """Where the ankle meets the ball by the gait's parameters, m; None for a gait without one.
+
+    Raises:
+        BadInput: a place that no kick reaches.
+    """
+    found = [gait.motion.parameters.get(key) for key in ("ball_1", "ball_2")]
+    if found[0] is None or found[1] is None:
+        return None
+    for key, value in zip(("ball_1", "ball_2"), found, strict=True):
+        if value is None or not abs(value) <= _BALL_RANGE:
+            raise BadInput(f"parameters.{key}", value, f"-{_BALL_RANGE:g} to {_BALL_RANGE:g} m", "plan it again")
+    return found[0], found[1]
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """MuJoCo's warnings go nowhere, instead of a log file in the working folder: a fall says what happened."""
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(previous)
+
+
+def _model(robot: Robot, target: tuple[float, float] | None, settings: ReplaySettings) -> Any:
     """The robot on a plane, with the ball of a kick."""
     spec = robot.make_spec()
     spec.option.timestep = _TICK / _SUBSTEPS
@@ -129,9 +161,8 @@ def _model(robot: Robot, gait: Gait, settings: ReplaySettings) -> Any:
     ground.size, ground.priority, ground.condim = [50.0, 50.0, 0.1], 1, 4
     ground.friction, ground.solref = [settings.friction, 0.005, 0.0001], list(_SOLREF)
     ground.contype, ground.conaffinity = 1, 0x7FFFFFFF
-    if gait.motion.name == "kick":
-        sole, parameters = robot.legs[0].sole, gait.motion.parameters
-        place = [parameters["ball_1"] + sole.toe + BALL_RADIUS, parameters["ball_2"], BALL_RADIUS]
+    if target is not None:
+        place = [target[0] + robot.legs[0].sole.toe + BALL_RADIUS, target[1], BALL_RADIUS]
         ball = spec.worldbody.add_body(name="ball", pos=place)
         ball.add_freejoint(name="ball")
         ball.mass, ball.explicitinertial = BALL_MASS, True
@@ -166,15 +197,23 @@ def replay(
         settings: gains, friction and errors of the model.
         steps: of a cyclic gait.
         report: told the simulated and the whole time, s.
+
+    Raises:
+        BadInput: more than an hour of steps, or a kick at a ball that is out of reach.
     """
-    settings = settings or ReplaySettings()
-    biped = biped_from(robot)
-    whole = unrolled(gait, biped.partner, biped.sign, steps)
-    plan = _Reference(robot, whole, settings.settle)
-    model = _model(robot, gait, settings)
+    with _quiet():
+        return _replayed(gait, robot, settings or ReplaySettings(), steps, report)
+
+
+def _replayed(
+    gait: Gait, robot: Robot, settings: ReplaySettings, steps: int, report: Callable[[float, float], None] | None
+) -> ReplayResult:
+    plan, target = _Plan(Repetition(gait, robot, steps), settings.settle), _ball(gait)
+    model = _model(robot, target, settings)
     data = mujoco.MjData(model)
-    nq, nv, n = robot.model.nq, robot.model.nv, biped.joints
-    data.qpos[:nq], data.qvel[:nv] = plan.start.position, plan.start.velocity
+    nq, nv, n = robot.model.nq, robot.model.nv, len(robot.joint_names)
+    start = plan.at(0)
+    data.qpos[:nq], data.qvel[:nv] = start.position, start.velocity
     mujoco.mj_forward(model, data)
     kp, kd = settings.stiffness * settings.gain_scale, settings.damping * settings.gain_scale
     limit = np.asarray(robot.torque_limit)
@@ -184,21 +223,22 @@ def replay(
     errors, margins = [], []
     fall: dict[str, Any] | None = None
     trace: dict[str, list[Any]] = {"time": [], "torso": [], "zmp": []}
-    ball_speed, last = 0.0, len(plan.q) - 1
-    begin_x, time = float(data.qpos[0]), 0.0
+    ball_speed, begin_x, time = 0.0, float(data.qpos[0]), 0.0
     for tick in range(plan.ticks):
-        k = min(tick, last)
-        time = tick * _TICK
-        phase = whole.motion.phases[plan.phase[k]]
-        away = _deviation(plan.base[k, 3:7], data.qpos[3:7])
-        spin = data.qvel[3:6] - plan.spin[k]
-        goal = plan.q[k].copy()
+        time, wanted = tick * _TICK, plan.at(tick)
+        phase = wanted.phase
+        away = _deviation(wanted.position[3:7], data.qpos[3:7])
+        spin = data.qvel[3:6] - wanted.velocity[3:6]
+        goal = wanted.position[7:].copy()
         for side in ("left", "right") if phase.contact == "flat" else (phase.support,):
             pitch, roll = ankles[side]
             goal[pitch] += settings.attitude_gain * away[1] + settings.attitude_damping * spin[1]
             if roll >= 0:
                 goal[roll] += settings.attitude_gain * away[0] + settings.attitude_damping * spin[0]
-        torque = plan.torque[k] + kp * (goal - data.qpos[7:nq]) + kd * (plan.v[k] - data.qvel[6:nv])
+        torque = wanted.torque + kp * (goal - data.qpos[7:nq]) + kd * (wanted.velocity[6:] - data.qvel[6:nv])
+        if not np.isfinite(torque).all():
+            fall = {"time": time, "reason": f"torque that is not a number in {phase.name}", "phase": phase.name}
+            break
         sent = np.clip(torque, -limit, limit)
         clipped += bool((sent != torque).any())
         peak = np.maximum(peak, np.abs(sent))
@@ -206,9 +246,9 @@ def replay(
         for _ in range(_SUBSTEPS):
             mujoco.mj_step(model, data)
         tilt = np.maximum(tilt, np.abs(away[:2]))
-        height = float(data.qpos[2] / plan.base[k, 2])
-        if not np.isfinite(data.qpos).all() or np.abs(away[:2]).max() > _FALLEN_TILT or height < _FALLEN_HEIGHT:
-            what = "torso tilt beyond 45 degrees" if np.abs(away[:2]).max() > _FALLEN_TILT else "torso too low"
+        height = float(data.qpos[2] / wanted.position[2])
+        what = _fallen(data, away, height)
+        if what:
             fall = {"time": time, "reason": f"{what} in {phase.name}", "phase": phase.name}
             break
         if tick % _SAMPLE == 0:
@@ -217,24 +257,23 @@ def replay(
             trace["torso"].append(data.qpos[:3].tolist())
             trace["zmp"].append(None if real is None else real.tolist())
             if real is not None:
-                errors.append(float(np.sum((real - plan.zmp[k]) ** 2)))
+                errors.append(float(np.sum((real - wanted.zmp) ** 2)))
                 if not phase.double:
                     margins.append(_sole_margin(robot, phase.support, data, model, real))
             if report is not None:
                 report(time, plan.ticks * _TICK)
-        if gait.motion.name == "kick":
+        if target is not None:
             ball_speed = max(ball_speed, float(np.linalg.norm(data.qvel[nv : nv + 3])))
-    k = min(plan.ticks, last)
-    ball = None
-    if gait.motion.name == "kick":
+    end, ball = plan.at(plan.ticks).position, None
+    if target is not None:
         ball = {"speed": ball_speed, "travel": float(data.qpos[nq] - model.qpos0[nq])}
     return ReplayResult(
         stood=fall is None,
         fall=fall,
         duration=time + _TICK,
         distance=float(data.qpos[0]) - begin_x,
-        planned_distance=float(plan.base[k, 0]) - begin_x,
-        drift=abs(float(data.qpos[1] - plan.base[k, 1])),
+        planned_distance=float(end[0]) - begin_x,
+        drift=abs(float(data.qpos[1] - end[1])),
         tilt_deg={"roll": float(np.degrees(tilt[0])), "pitch": float(np.degrees(tilt[1]))},
         zmp_error_mm=1e3 * float(np.sqrt(np.mean(errors))) if errors else 0.0,
         zmp_margin_mm=1e3 * float(np.percentile(margins, 5.0)) if margins else 0.0,
@@ -243,6 +282,15 @@ def replay(
         ball=ball,
         trace=trace,
     )
+
+
+def _fallen(data: Any, away: Array, height: float) -> str:
+    """What a fall is known by, in words; empty while the robot is upright."""
+    if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
+        return "simulation diverged"
+    if not np.abs(away[:2]).max() <= _FALLEN_TILT:
+        return "torso tilt beyond 45 degrees"
+    return "torso too low" if not height >= _FALLEN_HEIGHT else ""
 
 
 def _deviation(wanted: Array, real: Array) -> Array:
