@@ -122,6 +122,11 @@ def test_an_export_keeps_the_whole_name_and_never_the_gait(gait, tmp_path, capsy
     assert named.read_bytes() == gait.read_bytes()
 
 
+def test_a_refusal_of_the_planner_names_the_flag(capsys):
+    assert main(["plan", "cyclic", "--zmp-margin", "0.9"]) == 2
+    assert "--zmp-margin: got 0.9" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("rate", ["0", "-5", "inf"])
 def test_rates(gait, rate, capsys):
     assert main(["export", str(gait), "--rate", rate]) == 2

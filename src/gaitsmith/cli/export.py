@@ -48,8 +48,9 @@ def export(words: list[str], program: str) -> Outcome:
 
     gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
     steps = given_steps(arguments.steps, gait, 1)
-    with Display("exporting"):
-        rows = export_gait(gait, robot, path, arguments.format, arguments.rate, steps)
+    with Display("exporting") as display:
+        tell = lambda done, total: display.show("exporting", f"{done} of {total} rows", done, total)  # noqa: E731
+        rows = export_gait(gait, robot, path, arguments.format, arguments.rate, steps, tell)
     document = {"file": str(path), "format": arguments.format, "rate": arguments.rate, "rows": rows}
 
     def show() -> None:

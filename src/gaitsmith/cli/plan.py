@@ -48,11 +48,14 @@ def plan(words: list[str], program: str) -> Outcome:
 
     robot = named_robot(arguments.robot)
     with Display() as display:
-        planner = Planner(robot, display.slow)
-        if request is not None:
-            found = answer(planner, request, display.iteration)
-        else:
-            found = answer_file(planner, Path(arguments.motion or ""), display.iteration)
+        try:
+            planner = Planner(robot, display.slow)
+            if request is not None:
+                found = answer(planner, request, display.iteration)
+            else:
+                found = answer_file(planner, Path(arguments.motion or ""), display.iteration)
+        except BadInput as error:
+            raise _as_given(error, arguments) from None
         kind = request.kind if request is not None else Path(arguments.motion or "").stem
         document = plan_document(found, kind, planner.biped, None if out is None or found.gait is None else str(out))
         if found.gait is not None:
@@ -67,6 +70,13 @@ def plan(words: list[str], program: str) -> Outcome:
         print_plan(document, robot)
 
     return Outcome(DONE if found.gait is not None else NOT_SOLVED, document, show)
+
+
+def _as_given(error: BadInput, arguments: PlanArguments) -> BadInput:
+    """The error with its field named as the user wrote it, if that was a flag."""
+    if getattr(arguments, error.field, None) is None:
+        return error
+    return BadInput("--" + error.field.replace("_", "-"), error.value, error.valid, error.remedy)
 
 
 def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None) -> list[str]:

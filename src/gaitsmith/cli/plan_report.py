@@ -20,14 +20,17 @@ def print_plan(document: dict[str, Any], robot: Robot) -> None:
     console = Printer()
     times = document["time_s"]
     console.print(f"{document['motion']} for {robot.card.name}: {document['status']}")
+    counted = ("iterations", "refinements", "fallbacks", "variables", "constraints")
+    clocks = ("setup", "compile", "solve", "check")
     console.print(
-        f"objective {figure(document['objective'], '.4g')}, {document['iterations']} iterations, "
-        f"{document['refinements']} refinements, {document['variables']} unknowns, {document['constraints']} rows; "
-        f"setup {times['setup']:.2f} s, compile {times['compile']:.2f} s, solve {times['solve']:.2f} s, "
-        f"check {times['check']:.2f} s"
+        f"objective {figure(document['objective'], '.4g')}, "
+        + ", ".join(f"{document[name]} {name}" for name in counted)
+        + "; "
+        + ", ".join(f"{name} {times[name]:.2f} s" for name in clocks)
     )
     if document["max_torque"] is not None:
-        console.print(f"smallest ZMP margin in single support {figure(document['zmp_margin_mm'], '.1f')} mm")
+        margin, jump = figure(document["zmp_margin_mm"], ".1f"), figure(document["torque_jump"], ".2g")
+        console.print(f"smallest ZMP margin in single support {margin} mm, largest jump of a torque {jump} N·m")
         table = Table(box=SIMPLE_HEAD)
         for heading in ("joint", "peak torque\nN·m", "limit\nN·m"):
             table.add_column(heading, justify="left" if heading == "joint" else "right")
@@ -35,6 +38,8 @@ def print_plan(document: dict[str, Any], robot: Robot) -> None:
             table.add_row(name, f"{value:.2f}", f"{limit:g}")
         console.print(table)
     print_worst(console, document["worst"])
+    for warning in document["warnings"]:
+        console.print(f"warning: {warning}", soft_wrap=True)
     if document["file"]:
         console.print(f"written: {document['file']}", soft_wrap=True)
     for path in document.get("figures", []):
