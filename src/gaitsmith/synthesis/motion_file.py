@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded
-from gaitsmith.robots.parameters import Finite, Parameters, Positive
+from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.biped import Biped
+from gaitsmith.synthesis.contacts import check_contacts
 from gaitsmith.synthesis.ipopt import Progress
 from gaitsmith.synthesis.motion import QUANTITIES, At, Limit, Motion, Phase, Same, State
 from gaitsmith.synthesis.plan import Planner
 from gaitsmith.synthesis.posture import standing
+from gaitsmith.synthesis.refusal import refusal
 from gaitsmith.synthesis.request import REST, Answer
 from gaitsmith.synthesis.settings import Settings
 
+PHASES, SECTIONS = 60, 120  # of a motion
 _LARGEST = 1_000_000
 _REPORT = Callable[[str, int, Progress], None]
-Place = tuple[Finite, Finite]
+Array = npt.NDArray[np.float64]
+Amount = Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]  # m, m/s or the sine of an angle
+Place = tuple[Amount, Amount]
 
 
 class _Range(BaseModel):
@@ -32,8 +38,8 @@ class _Range(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    low: Annotated[float | None, Field(alias="min", allow_inf_nan=False)] = None
-    high: Annotated[float | None, Field(alias="max", allow_inf_nan=False)] = None
+    low: Annotated[Amount | None, Field(alias="min")] = None
+    high: Annotated[Amount | None, Field(alias="max")] = None
 
 
 class _PhaseText(Parameters):
@@ -56,14 +62,14 @@ class _ConditionText(Parameters):
     rest: bool = False
     standing: bool = False
     same_as: str | None = None
-    values: dict[str, Finite] = Field(default_factory=dict)
+    values: dict[str, Amount] = Field(default_factory=dict)
 
 
 class MotionText(Parameters):
     """A motion file.
 
     Attributes:
-        name: of the motion.
+        name: of the motion; it decides nothing.
         cyclic: whether the end is the mirror image of the start, one step further.
         standing_height: hips above the soles in the standing posture, m; 3 cm below straight legs if absent.
         phases: in order of time.
@@ -73,75 +79,116 @@ class MotionText(Parameters):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,40}$")]
     cyclic: bool = False
-    standing_height: Positive | None = None
-    phases: Annotated[tuple[_PhaseText, ...], Field(min_length=1, max_length=200)]
-    conditions: tuple[_ConditionText, ...] = ()
+    standing_height: Annotated[float | None, Field(gt=0.0, le=10.0, allow_inf_nan=False)] = None
+    phases: Annotated[tuple[_PhaseText, ...], Field(min_length=1, max_length=PHASES)]
+    conditions: Annotated[tuple[_ConditionText, ...], Field(max_length=2 * PHASES)] = ()
     settings: Settings = Settings()
 
 
 def read_motion(path: Path, biped: Biped) -> tuple[Motion, Settings]:
-    """The motion in a TOML file.
+    """The motion in a TOML file; types are taken as written, a text is never a number.
 
     Raises:
         BadInput: the file cannot be read, or names the entry that is wrong.
     """
     try:
         data = tomllib.loads(read_bounded(path, _LARGEST).decode("utf-8"))
-    except (ValueError, RecursionError) as error:
+        text = MotionText.model_validate_json(json.dumps(data, default=str), strict=True)
+    except ValidationError as error:
+        raise refusal(error, MotionText, path.name) from None
+    except RecursionError:
+        raise BadInput(path.name, "deeply nested values", "a motion in TOML") from None
+    except ValueError as error:
         raise BadInput(path.name, str(error)[:80], "a motion in TOML") from None
     try:
-        text = MotionText.model_validate(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False)[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise BadInput(f"{path.name}: {place}", first["input"], first["msg"]) from None
-    return _motion(text, biped, path.name), text.settings
+        return _motion(text, biped), text.settings
+    except BadInput as error:
+        raise BadInput(f"{path.name}: {error.field}", error.value, error.valid, error.remedy) from None
 
 
-def _motion(text: MotionText, biped: Biped, source: str) -> Motion:
+def _motion(text: MotionText, biped: Biped) -> Motion:
     names = [phase.name for phase in text.phases]
-    if len(set(names)) != len(names):
-        raise BadInput(f"{source}: phases", names, "names that all differ")
-    phases = tuple(_phase(item, f"{source}: phases.{item.name}") for item in text.phases)
-    _check_contacts(phases, source, text.cyclic)
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise BadInput(f"phases[{index}].name", name, "names that all differ")
+    sections = sum(phase.sections for phase in text.phases)
+    if sections > SECTIONS:
+        raise BadInput("phases", f"{sections} sections", f"at most {SECTIONS} sections in all phases together")
+    phases = tuple(_phase(item, f"phases[{index}]") for index, item in enumerate(text.phases))
+    check_contacts(phases, text.cyclic, ("support_at", "other_at"))
+    _check_footholds(phases, biped, text.settings.bounds.foot_gap)
     rest = None
     if any(item.standing for item in text.conditions):
-        rest = standing(biped, text.standing_height or biped.height - REST)
+        rest = _standing(biped, text.standing_height)
     conditions: list[At | State | Same] = []
     for index, item in enumerate(text.conditions):
-        field = f"{source}: conditions[{index}]"
-        border = _border(item.after, names, f"{field}.after")
-        for quantity, value in item.values.items():
-            conditions.append(At(border, _known(quantity, f"{field}.values"), value))
-        still = np.zeros(biped.joints) if item.rest or item.standing else None
-        if still is not None:
-            conditions.append(State(border, rest if item.standing else None, still))
-        if item.same_as is not None:
-            conditions.append(Same(border, _border(item.same_as, names, f"{field}.same_as")))
+        conditions += _conditions(item, f"conditions[{index}]", names, rest, biped.joints)
     return Motion(text.name, phases, tuple(conditions), text.cyclic)
 
 
+def _standing(biped: Biped, height: float | None) -> Array:
+    try:
+        return standing(biped, height or biped.height - REST)
+    except BadInput as error:
+        raise BadInput("standing_height", error.value, error.valid, error.remedy) from None
+
+
 def _phase(item: _PhaseText, field: str) -> Phase:
-    if (item.contact == "air") != (item.other_at is None):
-        valid = "no place in the air" if item.contact == "air" else "two numbers, where the other sole stands"
-        raise BadInput(f"{field}.other_at", item.other_at, valid)
-    limits = tuple(
-        Limit(
-            _known(name, f"{field}.limits"),
-            -np.inf if value.low is None else value.low,
-            np.inf if value.high is None else value.high,
-        )
-        for name, value in item.limits.items()
-    )
+    limits = []
+    for name, value in item.limits.items():
+        place = f"{field}.limits.{name}"
+        if name not in QUANTITIES:
+            raise BadInput(place, name, f"one of {', '.join(QUANTITIES)}")
+        if value.low is None and value.high is None:
+            raise BadInput(place, "nothing", "min, max, or both")
+        if value.low is not None and value.high is not None and value.low > value.high:
+            raise BadInput(place, f"min {value.low:g} and max {value.high:g}", "min that is not above max")
+        low, high = (-np.inf if value.low is None else value.low), (np.inf if value.high is None else value.high)
+        limits.append(Limit(name, low, high))
     return Phase(
-        item.name, item.duration, item.support, item.contact, item.support_at, item.other_at, item.sections, limits
+        item.name,
+        item.duration,
+        item.support,
+        item.contact,
+        item.support_at,
+        item.other_at,
+        item.sections,
+        tuple(limits),
     )
 
 
-def _known(quantity: str, field: str) -> str:
-    if quantity not in QUANTITIES:
-        raise BadInput(field, quantity, f"one of {', '.join(QUANTITIES)}")
-    return quantity
+def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:
+    """Soles lie side by side, the left one on the left, and no nearer than the bounds allow."""
+    least = 2.0 * biped.leg("left").sole.half_width + gap
+    for index, phase in enumerate(phases):
+        if phase.other is not None:
+            apart = phase.side * (phase.other[1] - phase.foothold[1])
+            if apart < least - 1e-9:
+                valid = f"at least {least:.4g} m: the soles' width and bounds.foot_gap"
+                remedy = "y points to the left; the left sole lies left of the right one"
+                raise BadInput(f"phases[{index}].other_at", f"left sole {apart:.4g} m left of the right", valid, remedy)
+
+
+def _conditions(
+    item: _ConditionText, field: str, names: list[str], rest: Array | None, joints: int
+) -> list[At | State | Same]:
+    """What one entry asks for."""
+    border = _border(item.after, names, f"{field}.after")
+    found: list[At | State | Same] = []
+    for quantity, value in item.values.items():
+        if quantity not in QUANTITIES:
+            raise BadInput(f"{field}.values.{quantity}", quantity, f"one of {', '.join(QUANTITIES)}")
+        found.append(At(border, quantity, value))
+    if item.rest or item.standing:
+        found.append(State(border, rest if item.standing else None, np.zeros(joints)))
+    if item.same_as is not None:
+        other = _border(item.same_as, names, f"{field}.same_as")
+        if other == border:
+            raise BadInput(f"{field}.same_as", item.same_as, "another instant than the condition's own")
+        found.append(Same(border, other))
+    if not found:
+        raise BadInput(field, "nothing to hold", "standing, rest, same_as or values")
+    return found
 
 
 def _border(after: str | None, names: list[str], field: str) -> int:
@@ -150,26 +197,6 @@ def _border(after: str | None, names: list[str], field: str) -> int:
     if after not in names:
         raise BadInput(field, after, f"one of {', '.join(names)}")
     return names.index(after) + 1
-
-
-def _check_contacts(phases: tuple[Phase, ...], source: str, cyclic: bool) -> None:
-    """Feet may only move in the air, and a foot must be on the ground before it can bear the robot."""
-    if cyclic and phases[-1].support == phases[0].support:
-        raise BadInput(f"{source}: cyclic", True, "a last phase whose support foot differs from the first's")
-    for before, after in pairwise(phases):
-        field = f"{source}: phases.{after.name}"
-        if before.support != after.support and not (before.double and after.double):
-            remedy = "the support changes between two phases with both feet on the ground"
-            raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before", remedy)
-        held = before.foothold if before.support == after.support else before.other
-        if held is not None and max(abs(a - b) for a, b in zip(held, after.foothold, strict=True)) > 1e-9:
-            raise BadInput(f"{field}.support_at", after.foothold, f"{held}, where that foot stands before")
-        if before.double and after.double:
-            other = before.other if before.support == after.support else before.foothold
-            if other is not None and after.other is not None:
-                gap = max(abs(a - b) for a, b in zip(other, after.other, strict=True))
-                if gap > 1e-9:
-                    raise BadInput(f"{field}.other_at", after.other, f"{other}, where that foot stands before")
 
 
 def answer_file(planner: Planner, path: Path, report: _REPORT | None = None) -> Answer:

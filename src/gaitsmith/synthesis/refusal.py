@@ -1,0 +1,107 @@
+"""What a file's model refuses, in our own words: the entry, the value, and what would be valid there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from gaitsmith.errors import BadInput
+
+
+def refusal(error: ValidationError, model: type[BaseModel], source: str) -> BadInput:
+    """The first thing that a model refuses, as ``source: phases[2].duration: got ..., expected ...``.
+
+    Args:
+        error: what the model raised.
+        model: the model.
+        source: the file's name.
+    """
+    first = error.errors(include_url=False, include_context=False)[0]
+    place = tuple(part for part in first["loc"] if part != "[key]")
+    entry = ""
+    for part in place:
+        entry += f"[{part}]" if isinstance(part, int) else f".{part}"
+    field = f"{source}: {entry.lstrip('.')}" if entry else source
+    if first["type"] == "extra_forbidden":
+        return BadInput(field, first["input"], _keys(model, place[:-1]))
+    value = None if first["type"] == "missing" else first["input"]
+    return BadInput(field, value, _valid(*_hint(model, place)))
+
+
+def _keys(model: type[BaseModel], place: Iterable[int | str]) -> str:
+    """The entries that a table may have."""
+    hint, _ = _hint(model, place)
+    names = [field.alias or name for name, field in hint.model_fields.items()]
+    return f"no such entry here, but only {', '.join(names)}"
+
+
+def _hint(hint: Any, place: Iterable[int | str]) -> tuple[Any, tuple[Any, ...]]:
+    """Annotation and constraints of what lies at a place of a model."""
+    hint, limits = _plain(hint)
+    for part in place:
+        if isinstance(hint, type) and issubclass(hint, BaseModel):
+            fields = {field.alias or name: field for name, field in hint.model_fields.items()}
+            if part not in fields:
+                return hint, ()
+            inner, more = _plain(fields[str(part)].annotation)
+            hint, limits = inner, (*fields[str(part)].metadata, *more)
+        elif get_origin(hint) is dict:
+            hint, limits = _plain(get_args(hint)[1])
+        elif get_origin(hint) is tuple:
+            inside = get_args(hint)
+            hint, limits = _plain(inside[0 if inside[-1] is Ellipsis else min(int(part), len(inside) - 1)])
+    return hint, limits
+
+
+def _plain(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+    """An annotation without its constraints and without None, and the constraints."""
+    limits: tuple[Any, ...] = ()
+    while True:
+        if get_origin(hint) is Annotated:
+            hint, *found = get_args(hint)
+            for item in found:
+                limits += tuple(getattr(item, "metadata", ())) or (item,)
+        elif get_origin(hint) in (Union, UnionType):
+            hint = next(item for item in get_args(hint) if item is not NoneType)
+        else:
+            return hint, limits
+
+
+def _valid(hint: Any, limits: tuple[Any, ...]) -> str:
+    """What is valid, in words."""
+    if get_origin(hint) is Literal:
+        return f"one of {', '.join(str(item) for item in get_args(hint))}"
+    if get_origin(hint) is tuple:
+        inside = get_args(hint)
+        return f"a list{_count(limits)} tables" if inside[-1] is Ellipsis else f"a list of {len(inside)} numbers"
+    pattern = _limit(limits, "pattern")
+    if pattern is not None:
+        return f"text that matches {pattern}"
+    if hint is str:
+        return f"text{_count(limits)} characters" if limits else "text"
+    names = {bool: "true or false", int: "a whole number", float: "a finite number"}
+    if hint not in names:
+        return "a table"
+    words = names[hint]
+    least, above, most, below = (_limit(limits, name) for name in ("ge", "gt", "le", "lt"))
+    if least is not None or above is not None:
+        words += f" from {least:g}" if least is not None else f" above {above:g}"
+    if most is not None or below is not None:
+        words += f" {'to' if least is not None else 'up to'} {most:g}" if most is not None else f" below {below:g}"
+    return words
+
+
+def _limit(limits: tuple[Any, ...], name: str) -> Any:
+    """The number of a constraint, None without it."""
+    return next((getattr(item, name) for item in limits if getattr(item, name, None) is not None), None)
+
+
+def _count(limits: tuple[Any, ...]) -> str:
+    """How many, in words."""
+    low, high = _limit(limits, "min_length"), _limit(limits, "max_length")
+    if low is None and high is None:
+        return ""
+    return f" of {low or 0} to {high}" if high is not None else f" of at least {low}"
