@@ -52,10 +52,10 @@ def test_gait_and_figures_are_both_there_or_neither(
 
     monkeypatch.setattr("gaitsmith.view.gait_figures.write_gait_figures", draw)
     monkeypatch.setattr("gaitsmith.synthesis.write_gait", write)
-    out, figures = tmp_path / "gait.json", tmp_path / "figures"
+    out, figures = tmp_path / "gait.json", tmp_path / "new" / "figures"
     with pytest.raises(error):
         command._write(None, None, out, figures)
     assert os.listdir(tmp_path) == []
     fails.clear()
     assert command._write(None, None, out, figures) == [str(figures / "one.png")]
-    assert sorted(os.listdir(tmp_path)) == ["figures", "gait.json"]
+    assert sorted(os.listdir(tmp_path)) == ["gait.json", "new"]

@@ -76,6 +76,7 @@ def new_folder(folder: Path, field: str = "--out") -> Iterator[Path]:
     Raises:
         BadInput: it cannot be written, or somebody else has taken the name meanwhile.
     """
+    missing = [above for above in folder.parents if not above.exists()]
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(prefix=f".{folder.name[:60]}.", dir=folder.parent))
@@ -85,6 +86,9 @@ def new_folder(folder: Path, field: str = "--out") -> Iterator[Path]:
         yield staging
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
+        with contextlib.suppress(OSError):
+            for above in missing:
+                above.rmdir()
         raise
     mask = os.umask(0)
     os.umask(mask)
