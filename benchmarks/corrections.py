@@ -3,14 +3,20 @@
 OMP_NUM_THREADS=1 python benchmarks/corrections.py
 """
 
+from unittest.mock import patch
+
 import numpy as np
 
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis import Bounds, Planner, Settings, StepParameters, verify
+from gaitsmith.synthesis import Bounds, Motion, Planner, Settings, StepParameters, transcription, verify
+from gaitsmith.synthesis.biped import Biped
+from gaitsmith.synthesis.bounds import Bound
 from gaitsmith.synthesis.layout import Layout
 from gaitsmith.synthesis.motions import cyclic
 from gaitsmith.synthesis.plan import PlanResult
 from gaitsmith.synthesis.transcription import Transcription
+
+NINE = 1e-4  # rad
 
 
 def raw_closure(planner: Planner, found: PlanResult, settings: Settings) -> tuple[float, float, float]:
@@ -39,6 +45,31 @@ def raw_closure(planner: Planner, found: PlanResult, settings: Settings) -> tupl
         )
         worst = [max(a, float(np.abs(b).max())) for a, b in zip(worst, gaps, strict=True)]
     return worst[0], worst[1], worst[2]
+
+
+def literal_nine(planner: Planner, speed: float) -> str:
+    """Eq. (9) as printed, both legs' hip and ankle rolls equal in single support, in place of a level swing foot."""
+    names = list(planner.biped.robot.joint_names)
+    hips = [names.index(f"{side}_hip_roll") for side in ("right", "left")]
+    ankles = [names.index(f"{side}_ankle_roll") for side in ("right", "left")]
+    pairs = [(hips[0], ankles[0], 1.0), (hips[1], ankles[1], 1.0), (hips[0], hips[1], -1.0)]
+    inner = transcription.phase_bounds
+
+    def with_nine(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:
+        found = inner(biped, bounds, motion, index)
+        if not motion.phases[index].double:
+            found += [Bound("eq. 9", "rad", {}, {a: 1.0, b: sign}, -NINE, NINE, 1.0) for a, b, sign in pairs]
+        return found
+
+    step = StepParameters(0.15, 1.0) if speed == 0.15 else StepParameters(0.20, 0.5)
+    settings = Settings(bounds=Bounds(foot_tilt=1.5), time_limit=30.0)
+    with patch.object(transcription, "phase_bounds", with_nine):
+        found = planner.plan(cyclic(planner.biped, step), settings)
+    if found.gait is None:
+        return f"{found.status}: {found.reason}"
+    worst = verify(found.gait, planner.biped.robot).worst
+    tilt = {key: abs(worst[f"swing foot {key}"].value) for key in ("roll", "yaw")}
+    return f"J {found.objective:.1f}, swing foot roll {tilt['roll']:.3f}, yaw {tilt['yaw']:.3f} rad"
 
 
 def main() -> None:
@@ -73,6 +104,8 @@ def main() -> None:
         if name == "default":
             raw = raw_closure(planner, found, settings)
             print(f"    closed at the knots only: {raw[0]:.3f} mm, {raw[1]:.4f} m/s, {raw[2]:.3f} m/s²")
+    for speed in (0.15, 0.40):
+        print(f"(9) as printed, {speed:.2f} m/s: {literal_nine(planner, speed)}")
 
 
 if __name__ == "__main__":
