@@ -92,6 +92,12 @@ def test_what_is_not_a_number_is_a_problem(dynamic, robot, key):
     assert any("nan" in text for text in verdict.problems), verdict.problems
 
 
+@pytest.mark.filterwarnings("error")
+def test_ground_that_bears_nothing_is_a_problem(dynamic, robot):
+    verdict = verify(_changed(dynamic.gait, 0, wrench=lambda table: 0.0 * table), robot, SPARSE)
+    assert any("ZMP margin: not a number" in text for text in verdict.problems)
+
+
 def test_hull_of_points():
     points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0]])
     assert sorted(map(tuple, hull(points))) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]

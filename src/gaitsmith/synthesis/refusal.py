@@ -35,7 +35,7 @@ def _keys(model: type[BaseModel], place: Iterable[int | str]) -> str:
     """The entries that a table may have."""
     hint, _ = _hint(model, place)
     names = [field.alias or name for name, field in hint.model_fields.items()]
-    return f"no such entry here, but only {', '.join(names)}"
+    return f"no such entry; this table takes only {', '.join(names)}"
 
 
 def _hint(hint: Any, place: Iterable[int | str]) -> tuple[Any, tuple[Any, ...]]:

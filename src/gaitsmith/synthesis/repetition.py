@@ -91,6 +91,7 @@ class Repetition:
             position[mask], velocity[mask], acceleration[mask] = found
             torque[mask] = pair.torques(number, within[mask]).T
             wrenches = pair.wrenches(number, within[mask])
-            wrench[mask], point[mask] = wrenches.T, zmp(phase, wrenches).T + away[mask]
+            with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
+                wrench[mask], point[mask] = wrenches.T, zmp(phase, wrenches).T + away[mask]
         phases = [pair.motion.phases[number] for number in index.tolist()]
         return Samples(phases, position, velocity, acceleration, torque, wrench, point)

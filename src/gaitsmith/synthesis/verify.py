@@ -182,6 +182,11 @@ def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, in
         dense: instants a phase.
         report: told the number of phases done, and of all.
     """
+    with np.errstate(divide="ignore", invalid="ignore"):  # what is not a number becomes a problem of the verdict
+        return _verified(gait, robot, dense, report)
+
+
+def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int], None] | None) -> Verdict:
     biped, bounds = biped_from(robot), Bounds.model_validate(gait.bounds)
     finder, verdict = StateFinder(robot), Verdict(bounds=dict(gait.bounds))
     borders = gait.motion.borders
