@@ -37,6 +37,8 @@ _EXAMINATION = 20.0  # s, to find out why there is no solution
 _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
+_USUAL = 120  # iterations from standing still; who needs more has asked for too much, or for another start
+_FAR = {"alpha_for_y": "primal"}  # slower, but it also arrives from afar
 _WARM = {
     "warm_start_init_point": "yes",
     "mu_strategy": "monotone",
@@ -179,6 +181,7 @@ class Planner:
         else:
             picks = seldom_left_out(trans, base)
             x = default_start(trans) if start is None else start
+        begin_x = default_start(trans) if start is None else start
         times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
         iterations, rounds, fallbacks, relaxed_once = 0, 0, 0, False
         deadline = begin + settings.time_limit
@@ -188,7 +191,8 @@ class Planner:
             clock = time.perf_counter()
             points = with_times(trans, base, picks)
             program = make_program(trans, self.functions, points, picks)
-            found = self._solve(program, found, x, settings, deadline, rounds, report)
+            far = start is not None or relaxed_once
+            found = self._solve(program, found, x, settings, deadline, rounds, far, report)
             iterations += found.iterations
             fallbacks += found.fallbacks
             x = found.x
@@ -199,7 +203,7 @@ class Planner:
                 program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found, fallbacks
             )
             if not found.solved:
-                possible, reason = self._examined(trans, base, program, found, deadline)
+                possible, reason = self._examined(trans, base, program, found, begin_x, deadline)
                 if possible is None or relaxed_once:
                     return tally.result("not solved", reason, [])
                 picks, x, found, relaxed_once = seldom_left_out(trans, base), possible, None, True
@@ -226,7 +230,7 @@ class Planner:
         return tally.result("solved", "", worst, gait)
 
     def _examined(
-        self, trans: Transcription, base: Points, program: Program, found: Solution, deadline: float
+        self, trans: Transcription, base: Points, program: Program, found: Solution, start: Array, deadline: float
     ) -> tuple[Array | None, str]:
         """Unknowns that meet everything, if there are any after all; and the reason why not, in words."""
         late = time.perf_counter() > deadline
@@ -236,7 +240,7 @@ class Planner:
         ]
         whole = make_program(trans, self.functions, base, picks)
         limit = min(_EXAMINATION, trans.settings.time_limit)
-        least = relaxed(whole, default_start(trans), limit)
+        least = relaxed(whole, start, limit)
         if least.excesses:
             return None, lacking(trans, least.excesses)
         return (least.x if least.solved and not late else None), reason
@@ -249,9 +253,10 @@ class Planner:
         settings: Settings,
         deadline: float,
         rounds: int,
+        far: bool,
         report: Callable[[int, Progress], None] | None,
     ) -> Solution:
-        """Warm from the last solution if there is one, else (or if that fails) cold."""
+        """Warm from the last solution if there is one, else (or if that fails) cold; ``far``: from no usual start."""
         tell = None if report is None else lambda progress: report(rounds, progress)
         if last is not None:
             multipliers = np.zeros(program.rows)
@@ -262,8 +267,9 @@ class Planner:
                 return found
         left = max(deadline - time.perf_counter(), 0.01)
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
-        options = _WARM if last is not None else None
-        cold = solve_ipopt(program, x, tolerance, settings.max_iterations, left, tell, options)
+        options = _WARM if last is not None else _FAR if far else None
+        most = settings.max_iterations if far else min(settings.max_iterations, _USUAL)
+        cold = solve_ipopt(program, x, tolerance, most, left, tell, options)
         if last is None:
             return cold
         return replace(cold, iterations=cold.iterations + found.iterations, fallbacks=found.fallbacks + 1)

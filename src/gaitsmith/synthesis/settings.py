@@ -74,5 +74,5 @@ class Settings(Parameters):
     refinements: Annotated[int, Field(ge=0, le=30)] = 12
     dense: Annotated[int, Field(ge=50, le=5000)] = 400
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
-    max_iterations: Annotated[int, Field(ge=1, le=10000)] = 150
+    max_iterations: Annotated[int, Field(ge=1, le=10000)] = 400
     time_limit: Annotated[float, Field(gt=0.0, le=3600.0)] = 60.0
