@@ -21,6 +21,7 @@ _SPARE = 4e-4  # share of the span by which an added instant is tightened: the w
 _CLOSE = 0.02  # of a bound's range: what a neighbour may well meet
 _ENDS = 0.03  # share of a phase that counts as its end
 _PEAKS = 4
+_RESTING = 0.1  # share of a phase next to a lift-off or touchdown
 _SAME = 0.02  # share of a phase within which two instants count as one
 
 
@@ -94,11 +95,19 @@ def new_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick],
         violation, time = float(checks[phase].violations[bound, k]), float(checks[phase].times[k])
         near = _near(trans, found, phase, bound, time)
         if near is None:
-            found.append(Pick(phase, bound, time, _SPARE))
+            found.append(Pick(phase, bound, time, _spare(trans, phase, bound, time)))
         else:
             old = found[near]
             found[near] = Pick(phase, bound, old.time, min(old.tighten + 1.2 * violation, _TIGHTEST))
     return found
+
+
+def _spare(trans: Transcription, phase: int, bound: int, time: float) -> float:
+    """How far an added instant is tightened: not at all where a foot still rests, or has no load yet."""
+    item = trans.bounds[phase][bound]
+    other = min(item.inp, default=0) >= trans.layout.wrench or max(item.out, default=0) >= trans.layout.twist
+    share = float(trans.share(phase, np.array(time)))
+    return 0.0 if (item.interior or other) and min(share, 1.0 - share) < _RESTING else _SPARE
 
 
 def close_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick]) -> list[Pick]:

@@ -38,16 +38,14 @@ _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
 _USUAL = 120  # iterations from standing still; who needs more has asked for too much, or for another start
-_FAR = {"alpha_for_y": "primal"}  # slower, but it also arrives from afar
-_WARM = {
-    "warm_start_init_point": "yes",
-    "mu_strategy": "monotone",
-    "mu_init": 1e-4,
-    "warm_start_bound_push": 1e-6,
-    "warm_start_bound_frac": 1e-6,
-    "warm_start_slack_bound_push": 1e-6,
-    "warm_start_slack_bound_frac": 1e-6,
-    "warm_start_mult_bound_push": 1e-6,
+_FAR = {  # slower, but it also arrives from afar
+    "alpha_for_y": "primal",
+    "bound_push": 0.01,
+    "bound_frac": 0.01,
+    "slack_bound_push": 0.01,
+    "slack_bound_frac": 0.01,
+    "mumps_scaling": 77,
+    "mumps_permuting_scaling": 7,
 }
 
 
@@ -267,7 +265,8 @@ class Planner:
                 return found
         left = max(deadline - time.perf_counter(), 0.01)
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
-        options = _WARM if last is not None else _FAR if far else None
+        far = far or last is not None
+        options = _FAR if far else None
         most = settings.max_iterations if far else min(settings.max_iterations, _USUAL)
         cold = solve_ipopt(program, x, tolerance, most, left, tell, options)
         if last is None:
