@@ -8,13 +8,14 @@ from unittest.mock import patch
 import numpy as np
 
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis import Bounds, Motion, Planner, Settings, StepParameters, transcription, verify
-from gaitsmith.synthesis.biped import Biped
-from gaitsmith.synthesis.bounds import Bound
-from gaitsmith.synthesis.layout import Layout
-from gaitsmith.synthesis.motions import cyclic
-from gaitsmith.synthesis.plan import PlanResult
-from gaitsmith.synthesis.transcription import Transcription
+from gaitsmith.synthesis import Bounds, Motion, Planner, Settings, StepParameters, verify
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.layout import Layout
+from gaitsmith.synthesis.program import transcription
+from gaitsmith.synthesis.program.bounds import Bound
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.plan import PlanResult
 
 NINE = 1e-4  # rad
 

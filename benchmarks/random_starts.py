@@ -7,9 +7,9 @@ import time
 
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Settings, StepParameters
-from gaitsmith.synthesis.guess import random_start
-from gaitsmith.synthesis.motions import cyclic
-from gaitsmith.synthesis.transcription import Transcription
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.program.guess import random_start
+from gaitsmith.synthesis.program.transcription import Transcription
 
 
 def main() -> None:

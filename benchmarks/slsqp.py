@@ -11,13 +11,13 @@ from scipy.optimize import minimize
 
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Settings, StepParameters
-from gaitsmith.synthesis.assembly import Assembly
-from gaitsmith.synthesis.caller import Caller
-from gaitsmith.synthesis.guess import default_start
-from gaitsmith.synthesis.ipopt import solve_ipopt
-from gaitsmith.synthesis.motions import cyclic
-from gaitsmith.synthesis.program import OBJECTIVE_SCALE, make_program
-from gaitsmith.synthesis.transcription import Transcription
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.point.caller import Caller
+from gaitsmith.synthesis.program.assembly import Assembly
+from gaitsmith.synthesis.program.guess import default_start
+from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, make_program
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.ipopt import solve_ipopt
 
 
 class OutOfTime(Exception):

@@ -5,7 +5,7 @@ python examples/07_plan.py
 
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Request, StepParameters, answer, verify
-from gaitsmith.synthesis.replay import ReplayResult, replay
+from gaitsmith.synthesis.proof.replay import ReplayResult, replay
 
 
 def main(steps: int = 20) -> ReplayResult:

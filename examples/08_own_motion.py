@@ -7,8 +7,8 @@ from pathlib import Path
 
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, verify
-from gaitsmith.synthesis.motion_file import answer_file
-from gaitsmith.synthesis.replay import ReplayResult, replay
+from gaitsmith.synthesis.proof.replay import ReplayResult, replay
+from gaitsmith.synthesis.requests.motion_file import answer_file
 
 MOTION = Path(__file__).parent / "motions" / "obstacle.toml"
 

@@ -59,7 +59,7 @@ def test_every_test_of_an_equation_exists() -> None:
 def test_every_module_is_in_the_design() -> None:
     text = page("design.md")
     for folder in sorted(path for path in SOURCE.iterdir() if (path / "__init__.py").exists()):
-        for module in folder.glob("[a-z]*.py"):
+        for module in folder.rglob("[a-z]*.py"):
             assert f"`{module.stem}`" in text or f"{folder.name}/{module.name}" in text, module
 
 

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from gaitsmith.cli.display import Display
-from gaitsmith.synthesis.ipopt import Progress
+from gaitsmith.synthesis.solution.ipopt import Progress
 
 LAST = Progress(123, 123456.0, 0.01, "right_ankle_pitch torque", "N·m", 80.0)
 

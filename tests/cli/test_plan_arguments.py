@@ -8,10 +8,10 @@ from gaitsmith.cli import main
 from gaitsmith.cli.arguments import parse
 from gaitsmith.cli.plan_arguments import FILE, PlanArguments, request_from, task_of
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.gait_file import LIMIT
-from gaitsmith.synthesis.motions import StepParameters
-from gaitsmith.synthesis.request import KICK_FRICTION, KINDS, MOST_CYCLES, Request
-from gaitsmith.synthesis.settings import Settings
+from gaitsmith.synthesis.gaits.gait_file import LIMIT
+from gaitsmith.synthesis.motions.catalogue import StepParameters
+from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.requests.request import KICK_FRICTION, KINDS, MOST_CYCLES, Request
 
 VALUES = {
     "--speed": "0.3",

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from gaitsmith.synthesis.base_motion import BaseMotion
-from gaitsmith.synthesis.full_state import StateFinder
+from gaitsmith.synthesis.gaits.base_motion import BaseMotion
+from gaitsmith.synthesis.gaits.full_state import StateFinder
 
 SAME = 1e-11  # accelerations are of the order of 100
 PLACE = (0.3, -0.1)

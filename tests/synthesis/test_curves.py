@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitsmith.synthesis.curves import JointSpline, bernstein, lobatto, power_basis
+from gaitsmith.synthesis.program.curves import JointSpline, bernstein, lobatto, power_basis
 
 ROUNDING = 1e-9
 

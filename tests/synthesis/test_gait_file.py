@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis.gait_entries import LONGEST_PHASE
-from gaitsmith.synthesis.gait_file import _checksum, gait_document, load_robot_of, read_gait, require_robot, write_gait
+from gaitsmith.synthesis.gaits.gait_entries import LONGEST_PHASE
+from gaitsmith.synthesis.gaits.gait_file import (
+    _checksum,
+    gait_document,
+    load_robot_of,
+    read_gait,
+    require_robot,
+    write_gait,
+)
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
-from gaitsmith.synthesis.replay import ReplaySettings, replay
-from gaitsmith.synthesis.request import KICK_FRICTION
+from gaitsmith.synthesis.proof.replay import ReplaySettings, replay
+from gaitsmith.synthesis.requests.request import KICK_FRICTION
 
 DISTANCE = 0.03  # m from the plan
 STEP = StepParameters(0.15, 1.0)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
-from gaitsmith.synthesis.guess import random_start
-from gaitsmith.synthesis.ipopt import Progress
-from gaitsmith.synthesis.motions import cyclic
-from gaitsmith.synthesis.program import make_program
-from gaitsmith.synthesis.transcription import Transcription
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.program.guess import random_start
+from gaitsmith.synthesis.program.program import make_program
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.ipopt import Progress
 
 ALLOWED = 1e-3  # share of a bound's range, between the points too
 SAME_OPTIMUM = 1e-3
@@ -98,9 +98,9 @@ def test_progress_is_told_and_an_interrupt_ends_the_solve(planner):
 
 
 def test_rows_have_the_derivatives_that_the_solver_is_given(planner):
-    from gaitsmith.synthesis.assembly import Assembly
-    from gaitsmith.synthesis.caller import Caller
-    from gaitsmith.synthesis.guess import default_start
+    from gaitsmith.synthesis.point.caller import Caller
+    from gaitsmith.synthesis.program.assembly import Assembly
+    from gaitsmith.synthesis.program.guess import default_start
 
     trans = Transcription(planner.biped, cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings())
     program = make_program(trans, planner.functions, trans.points())

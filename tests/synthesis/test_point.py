@@ -6,10 +6,10 @@ import pytest
 from gaitsmith.errors import BadInput, CacheRefused
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, StepParameters
-from gaitsmith.synthesis.biped import biped_from
-from gaitsmith.synthesis.motions import cyclic
-from gaitsmith.synthesis.point import point_functions
-from gaitsmith.synthesis.point_library import find_compiler
+from gaitsmith.synthesis.motions.biped import biped_from
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.point.functions import point_functions
+from gaitsmith.synthesis.point.library import find_compiler
 
 SAME = 1e-9  # relative: compiler and virtual machine round differently
 STEP, SLOPE = 1e-6, 1e-5  # finite differences

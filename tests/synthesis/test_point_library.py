@@ -10,9 +10,10 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from gaitsmith.synthesis import point_expressions, point_library
-from gaitsmith.synthesis.point import point_functions
-from gaitsmith.synthesis.point_library import find_compiler
+from gaitsmith.synthesis.point import expressions as point_expressions
+from gaitsmith.synthesis.point import library as point_library
+from gaitsmith.synthesis.point.functions import point_functions
+from gaitsmith.synthesis.point.library import find_compiler
 
 WAIT = 20.0  # s: far more than a process needs to start or to end
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -24,7 +25,7 @@ def small(monkeypatch, tmp_path):
     x = ca.SX.sym("x")
     made = [ca.Function(name, [x], [x * k]) for k, name in enumerate(point_expressions.NAMES, start=2)]
     monkeypatch.setattr(point_expressions, "point_expressions", lambda biped: made)
-    monkeypatch.setattr("gaitsmith.synthesis.point.point_expressions", lambda biped: made)
+    monkeypatch.setattr("gaitsmith.synthesis.point.functions.point_expressions", lambda biped: made)
     monkeypatch.setenv("GAITSMITH_CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
@@ -84,7 +85,7 @@ def test_an_interrupt_ends_the_compiler_and_its_children(tmp_path):
     compiler, mark = tmp_path / "cc", tmp_path / "child"
     compiler.write_text(f"#!/bin/sh\nsleep 60 &\necho $! > {mark}.part\nmv {mark}.part {mark}\nwait\n")
     compiler.chmod(0o755)
-    code = f"import os\nfrom gaitsmith.synthesis.point_library import _run\n_run([{str(compiler)!r}], dict(os.environ))"
+    code = f"import os\nfrom gaitsmith.synthesis.point.library import _run\n_run([{str(compiler)!r}], dict(os.environ))"
     source = str(Path(point_library.__file__).parents[2])
     # A job in the background of a shell ignores Ctrl-C; the tests may be one.
     usual = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.gait import unrolled
-from gaitsmith.synthesis.repetition import LONGEST, Repetition
+from gaitsmith.synthesis.gaits.gait import unrolled
+from gaitsmith.synthesis.gaits.repetition import LONGEST, Repetition
 
 SAME = 1e-6  # rad, m, N or N·m: where steps meet, curves agree to this
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.replay import replay
+from gaitsmith.synthesis.proof.replay import replay
 
 FORCES = 1e300  # N·m, more than physics can be computed with
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.request import RANGES, stride
+from gaitsmith.synthesis.requests.request import RANGES, stride
 
 RANGES_IN_ORDER = ("--speed", "--step-length", "--period")
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gaitsmith.synthesis import verify
-from gaitsmith.synthesis.motion import At
-from gaitsmith.synthesis.support import hull
+from gaitsmith.synthesis.gaits.support import hull
+from gaitsmith.synthesis.motions.motion import At
 
 SPARSE = 40  # instants a phase: enough to see a lie
 

@@ -16,7 +16,7 @@ def claims(robot_name: str) -> Outcome:
     """
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import Planner, Request, StepParameters, answer
-    from gaitsmith.synthesis.claims import paper_claims
+    from gaitsmith.synthesis.proof.claims import paper_claims
 
     robot = named_robot(robot_name)
     gaits = []

@@ -10,7 +10,7 @@ from rich.table import Column
 from gaitsmith.cli.printing import Printer
 
 if TYPE_CHECKING:
-    from gaitsmith.synthesis.ipopt import Progress as Iteration
+    from gaitsmith.synthesis.solution.ipopt import Progress as Iteration
 
 
 class _Bar(BarColumn):

@@ -44,7 +44,7 @@ def export(words: list[str], program: str) -> Outcome:
         raise BadInput("--rate", arguments.rate, "a positive number of rows per second")
     path = check_file(arguments.out or _beside(arguments.gait, arguments.format), (arguments.gait,))
     from gaitsmith.cli.display import Display
-    from gaitsmith.synthesis.export import export_gait
+    from gaitsmith.synthesis.gaits.export import export_gait
 
     gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
     steps = given_steps(arguments.steps, gait, 1)

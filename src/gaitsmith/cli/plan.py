@@ -44,7 +44,7 @@ def plan(words: list[str], program: str) -> Outcome:
     request = request_from(arguments, task)
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import Planner, answer, plan_document
-    from gaitsmith.synthesis.motion_file import answer_file
+    from gaitsmith.synthesis.requests.motion_file import answer_file
 
     robot = named_robot(arguments.robot)
     with Display() as display:

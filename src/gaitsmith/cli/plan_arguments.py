@@ -11,7 +11,7 @@ from gaitsmith.cli.arguments import Positional, choice, integer, number, text
 from gaitsmith.errors import BadInput
 
 if TYPE_CHECKING:
-    from gaitsmith.synthesis.request import Request
+    from gaitsmith.synthesis.requests.request import Request
 
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
 _WALKS = ("cyclic", "start", "stop", "walk")
@@ -29,8 +29,8 @@ def _stride(name: str) -> Callable[[], str]:
     """Default and range of one of speed, step length and period."""
 
     def shown() -> str:
-        from gaitsmith.synthesis.motions import KickParameters
-        from gaitsmith.synthesis.request import KICK_SPEEDS, RANGES, stride
+        from gaitsmith.synthesis.motions.catalogue import KickParameters
+        from gaitsmith.synthesis.requests.request import KICK_SPEEDS, RANGES, stride
 
         length, period = stride(None, None, None)
         low, high = RANGES[name]
@@ -43,7 +43,7 @@ def _stride(name: str) -> Callable[[], str]:
 
 def _step(name: str) -> Callable[[], object]:
     def shown() -> object:
-        from gaitsmith.synthesis.motions import StepParameters
+        from gaitsmith.synthesis.motions.catalogue import StepParameters
 
         return getattr(StepParameters, name)
 
@@ -52,8 +52,8 @@ def _step(name: str) -> Callable[[], object]:
 
 def _bound(name: str) -> Callable[[], object]:
     def shown() -> object:
-        from gaitsmith.synthesis.request import KICK_FRICTION
-        from gaitsmith.synthesis.settings import Bounds
+        from gaitsmith.synthesis.motions.settings import Bounds
+        from gaitsmith.synthesis.requests.request import KICK_FRICTION
 
         value = Bounds.model_fields[name].default
         return f"{value:g}, for a kick {KICK_FRICTION:g}" if name == "friction" else value
@@ -63,7 +63,7 @@ def _bound(name: str) -> Callable[[], object]:
 
 def _setting(name: str) -> Callable[[], object]:
     def shown() -> object:
-        from gaitsmith.synthesis.settings import Settings
+        from gaitsmith.synthesis.motions.settings import Settings
 
         return Settings.model_fields[name].default
 
@@ -71,7 +71,7 @@ def _setting(name: str) -> Callable[[], object]:
 
 
 def _cycles() -> str:
-    from gaitsmith.synthesis.request import MOST_CYCLES, Request
+    from gaitsmith.synthesis.requests.request import MOST_CYCLES, Request
 
     return f"{Request.cycles}, from 0 to {MOST_CYCLES}"
 
@@ -149,9 +149,9 @@ def request_from(arguments: PlanArguments, task: str) -> Request | None:
     """
     if task == FILE:
         return None
-    from gaitsmith.synthesis.motions import KickParameters, StepParameters
-    from gaitsmith.synthesis.request import KICK_FRICTION, KICK_SPEEDS, Request, stride
-    from gaitsmith.synthesis.settings import Bounds, Settings
+    from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
+    from gaitsmith.synthesis.motions.settings import Bounds, Settings
+    from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, Request, stride
 
     friction = KICK_FRICTION if task == "kick" and arguments.friction is None else arguments.friction
     bounds = Bounds(**_given(zmp_margin=arguments.zmp_margin, friction=friction))

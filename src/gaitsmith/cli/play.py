@@ -15,7 +15,7 @@ _STEPS = 20
 
 def _usual(name: str) -> Callable[[], object]:
     def shown() -> object:
-        from gaitsmith.synthesis.replay import ReplaySettings
+        from gaitsmith.synthesis.proof.replay import ReplaySettings
 
         return ReplaySettings.model_fields[name].default
 
@@ -56,7 +56,7 @@ def play(words: list[str], program: str) -> Outcome:
     """
     arguments = parse(PlayArguments, words, program)
     from gaitsmith.cli.display import Display
-    from gaitsmith.synthesis.replay import ReplaySettings, replay
+    from gaitsmith.synthesis.proof.replay import ReplaySettings, replay
 
     gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
     steps = given_steps(arguments.steps, gait, _STEPS)

@@ -13,8 +13,8 @@ def sweep(robot: str, jobs: int) -> Outcome:
         BadInput: the robot cannot be planned for.
     """
     from gaitsmith.cli.display import Display
-    from gaitsmith.synthesis.sweep import sweep as run
-    from gaitsmith.synthesis.sweep import sweep_document
+    from gaitsmith.synthesis.requests.sweep import sweep as run
+    from gaitsmith.synthesis.requests.sweep import sweep_document
 
     named_robot(robot)
     with Display() as display:

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.full_state import StateFinder
-from gaitsmith.synthesis.gait import Gait
-from gaitsmith.synthesis.support import zmp
+from gaitsmith.synthesis.gaits.full_state import StateFinder
+from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.gaits.support import zmp
 from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, figure, save
 
 Array = npt.NDArray[np.float64]

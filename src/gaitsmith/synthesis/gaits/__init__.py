@@ -1,0 +1,1 @@
+"""Planned gaits: curves, files, full states, repetition and export."""

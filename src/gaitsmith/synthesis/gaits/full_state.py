@@ -1,0 +1,129 @@
+"""A gait's full state by MuJoCo's kinematics alone: base pose, velocity and acceleration from the foot that stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis.gaits.gait import Gait
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FullState:
+    """The robot at one instant; MuJoCo's order and axes.
+
+    Attributes:
+        position: (nq,) base position, quaternion w x y z, joint angles.
+        velocity: (nv,) base linear (world), angular (body), joints.
+        acceleration: (nv,) the same.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+class StateFinder:
+    """Finds the base's motion from the joints' and from the support foot that does not move.
+
+    Args:
+        robot: the robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot, self.model = robot, robot.model
+        self.data = mujoco.MjData(robot.model)
+        self._sites = {leg.name: robot.model.site(leg.sole_site).id for leg in robot.legs}
+        self._jacobian = np.zeros((6, robot.model.nv))
+        self._rate = np.zeros((6, robot.model.nv))
+
+    def find(self, support: str, foothold: tuple[float, float], q: Array, v: Array, a: Array) -> FullState:
+        """Full state with the support sole at ``foothold``, flat, its axes along the world's, standing still.
+
+        Args:
+            support: left or right.
+            foothold: (x, y) of the sole frame, m.
+            q, v, a: (n,) joint angles, velocities and accelerations.
+        """
+        model, data, site = self.model, self.data, self._sites[support]
+        data.qpos[:7] = (0, 0, 0, 1, 0, 0, 0)
+        data.qpos[7:] = q
+        mujoco.mj_kinematics(model, data)
+        turn = data.site_xmat[site].reshape(3, 3).T.copy()
+        data.qpos[:3] = np.array([*foothold, 0.0]) - turn @ data.site_xpos[site]
+        mujoco.mju_mat2Quat(data.qpos[3:7], turn.ravel())
+        data.qvel[:6] = 0.0
+        data.qvel[6:] = v
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        J, rate = self._jacobian, self._rate
+        mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
+        base = J[:, :6].copy()
+        data.qvel[:6] = np.linalg.solve(base, -J[:, 6:] @ v)
+        mujoco.mj_comVel(model, data)
+        body = int(model.site_bodyid[site])
+        mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.site_xpos[site], body)
+        data.qacc[6:] = a
+        data.qacc[:6] = np.linalg.solve(base, -J[:, 6:] @ a - rate @ data.qvel)
+        return FullState(data.qpos.copy(), data.qvel.copy(), data.qacc.copy())
+
+    def foot(self, side: str, point: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+        """Motion of a foot in the state that :meth:`find` left; world axes.
+
+        Returns the point, its velocity and its acceleration (3 each), then the sole's rotation (3, 3), angular velocity
+        and angular acceleration (3 each).
+
+        Args:
+            side: left or right.
+            point: (3,) in the sole's frame, m.
+        """
+        model, data, site = self.model, self.data, self._sites[side]
+        body = int(model.site_bodyid[site])
+        rotation = data.site_xmat[site].reshape(3, 3).copy()
+        place = data.site_xpos[site] + rotation @ point
+        J, rate = self._jacobian, self._rate
+        mujoco.mj_jac(model, data, J[:3], J[3:], place, body)
+        mujoco.mj_jacDot(model, data, rate[:3], rate[3:], place, body)
+        speed = J @ data.qvel
+        pull = J @ data.qacc + rate @ data.qvel
+        return place, speed[:3], pull[:3], rotation, speed[3:], pull[3:]
+
+    def residual(self, torque: Array, wrench: Array) -> Array:
+        """(nv,) inverse dynamics minus joint torques and contact wrenches, in the state that :meth:`find` left.
+
+        Args:
+            torque: (n,) N·m.
+            wrench: (12,) left force, left moment, right force, right moment, about the sole frames' origins.
+        """
+        model, data = self.model, self.data
+        kept = data.qacc.copy()
+        flags = int(model.opt.disableflags)
+        model.opt.disableflags = flags | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+        try:
+            mujoco.mj_inverse(model, data)
+        finally:
+            model.opt.disableflags = flags
+        data.qacc[:] = kept
+        found = np.array(data.qfrc_inverse)
+        found[6:] -= torque
+        for first, side in ((0, "left"), (6, "right")):
+            mujoco.mj_jacSite(model, data, self._jacobian[:3], self._jacobian[3:], self._sites[side])
+            found -= self._jacobian.T @ wrench[first : first + 6]
+        return found
+
+    def centre_of_mass(self) -> Array:
+        """(3,) world, m, in the state that :meth:`find` left."""
+        return np.array(self.data.subtree_com[0])
+
+
+def states(finder: StateFinder, gait: Gait, phase: int, times: Array) -> list[FullState]:
+    """Full states of a phase at times, s from the start of the motion."""
+    item = gait.motion.phases[phase]
+    q, v, a = gait.joints(phase, times)
+    return [finder.find(item.support, item.foothold, q[:, k], v[:, k], a[:, k]) for k in range(len(times))]

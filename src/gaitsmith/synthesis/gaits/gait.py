@@ -1,0 +1,195 @@
+"""A planned gait: phases with piecewise polynomials for joints, torques and contact wrenches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.motions.motion import Motion, Phase
+
+Array = npt.NDArray[np.float64]
+CHANNELS = 12  # left force, left moment, right force, right moment
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One section of one phase.
+
+    Attributes:
+        start: s from the start of the motion.
+        duration: s.
+        joints: (n, degree + 1) coefficients of 1, s, s² ... of eq. (17), s from 0 to 1 over the section, rad.
+        torque: (n, m) Chebyshev coefficients over the section, N·m.
+        wrench: (12, m) Chebyshev coefficients of left force and moment, right force and moment; world axes, about the
+            sole frame's origin, N and N·m.
+    """
+
+    start: float
+    duration: float
+    joints: Array
+    torque: Array
+    wrench: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """A whole gait.
+
+    Attributes:
+        robot: name of the robot.
+        robot_hash: content hash of card, model and included files.
+        joint_names: in the order of the coefficients.
+        motion: the phases and conditions it was planned for.
+        pieces: per phase, its sections.
+        bounds: the bounds it was planned for, as plain numbers.
+        order: degree of the splines that were optimised.
+        solver: status, iterations, objective, times.
+        certificate: worst value of every constraint on the dense grid.
+    """
+
+    robot: str
+    robot_hash: str
+    joint_names: tuple[str, ...]
+    motion: Motion
+    pieces: tuple[tuple[Piece, ...], ...]
+    bounds: dict[str, float]
+    order: int
+    solver: dict[str, Any] = field(default_factory=dict)
+    certificate: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion as stored, s."""
+        return float(self.motion.borders[-1])
+
+    def joints(self, phase: int, times: Array) -> tuple[Array, Array, Array]:
+        """Angles, velocities and accelerations (n, N) of a phase at times within it, s from the start of the motion."""
+        n = len(self.joint_names)
+        found = np.zeros((3, n, len(times)))
+        for piece, mask, s in self._split(phase, times):
+            powers = np.arange(piece.joints.shape[1])
+            basis = s[None, :] ** powers[:, None]
+            found[0][:, mask] = piece.joints @ basis
+            first = piece.joints[:, 1:] * powers[1:]
+            found[1][:, mask] = first @ basis[:-1] / piece.duration
+            second = first[:, 1:] * powers[1:-1]
+            found[2][:, mask] = second @ basis[:-2] / piece.duration**2
+        return found[0], found[1], found[2]
+
+    def torques(self, phase: int, times: Array) -> Array:
+        """Joint torques (n, N), N·m."""
+        return self._series(phase, times, "torque", len(self.joint_names))
+
+    def wrenches(self, phase: int, times: Array) -> Array:
+        """Contact wrenches (12, N): left force, left moment, right force, right moment."""
+        return self._series(phase, times, "wrench", CHANNELS)
+
+    def phase_at(self, time: float) -> int:
+        """Phase that holds a time; the later one at a border."""
+        borders = self.motion.borders
+        return int(np.clip(np.searchsorted(borders, time, side="right") - 1, 0, len(self.motion.phases) - 1))
+
+    def _series(self, phase: int, times: Array, name: str, channels: int) -> Array:
+        found = np.zeros((channels, len(times)))
+        for piece, mask, s in self._split(phase, times):
+            coefficients = getattr(piece, name)
+            found[:, mask] = np.polynomial.chebyshev.chebval(2.0 * s - 1.0, coefficients.T)
+        return found
+
+    def _split(self, phase: int, times: Array) -> list[tuple[Piece, npt.NDArray[np.int64], Array]]:
+        """Pieces with the times that fall into them and their normalised time."""
+        pieces = self.pieces[phase]
+        starts = np.array([piece.start for piece in pieces])
+        index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
+        found = []
+        for k, piece in enumerate(pieces):
+            mask = np.flatnonzero(index == k).astype(np.int64)
+            if len(mask):
+                found.append((piece, mask, np.clip((times[mask] - piece.start) / piece.duration, 0.0, 1.0)))
+        return found
+
+
+def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int) -> Gait:
+    """A cyclic gait repeated for a number of steps, every second one mirrored; other gaits are returned as they are."""
+    if not gait.motion.cyclic or steps == 1:
+        return gait
+    phases: list[Phase] = []
+    pieces: list[tuple[Piece, ...]] = []
+    current = gait
+    for step in range(steps):
+        if step:
+            current = follow(current, gait, step % 2 == 1, partner, sign)
+        phases += current.motion.phases
+        pieces += current.pieces
+    motion = Motion(gait.motion.name, tuple(phases), (), False, gait.motion.parameters)
+    return Gait(
+        gait.robot,
+        gait.robot_hash,
+        gait.joint_names,
+        motion,
+        tuple(pieces),
+        gait.bounds,
+        gait.order,
+        gait.solver,
+        gait.certificate,
+    )
+
+
+def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64], sign: Array) -> Gait:
+    """``gait`` moved in time and place so that it goes on where ``before`` ends, mirrored if asked."""
+    last = before.motion.phases[-1]
+    first = gait.motion.phases[0]
+    flip = -1.0 if mirror else 1.0
+    support = first.support if not mirror else ("left" if first.support == "right" else "right")
+    held = last.foothold if last.support == support else last.other
+    if held is None:
+        raise ValueError(f"{before.motion.name} ends with the {support} foot in the air")
+    dx, dy = held[0] - first.foothold[0], held[1] - flip * first.foothold[1]
+    final = before.pieces[-1][-1]
+    dt = final.start + final.duration - gait.pieces[0][0].start
+
+    def place(point: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if point is None else (point[0] + dx, flip * point[1] + dy)
+
+    phases = []
+    for phase in gait.motion.phases:
+        side = phase.support if not mirror else ("left" if phase.support == "right" else "right")
+        foothold = place(phase.foothold)
+        assert foothold is not None
+        phases.append(
+            Phase(
+                phase.name,
+                phase.duration,
+                side,
+                phase.contact,
+                foothold,
+                place(phase.other),
+                phase.sections,
+            )
+        )
+    swap = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    pieces = []
+    for group in gait.pieces:
+        moved = []
+        for piece in group:
+            joints, torque, wrench = piece.joints, piece.torque, piece.wrench
+            if mirror:
+                joints, torque = joints[partner] * sign[:, None], torque[partner] * sign[:, None]
+                wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
+            moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
+        pieces.append(tuple(moved))
+    motion = Motion(gait.motion.name, tuple(phases), gait.motion.conditions, gait.motion.cyclic, gait.motion.parameters)
+    return Gait(
+        gait.robot,
+        gait.robot_hash,
+        gait.joint_names,
+        motion,
+        tuple(pieces),
+        gait.bounds,
+        gait.order,
+        gait.solver,
+        gait.certificate,
+    )

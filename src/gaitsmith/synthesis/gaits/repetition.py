@@ -1,0 +1,97 @@
+"""A gait at any instants of any number of its steps, without being written out step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis.gaits.base_motion import BaseMotion
+from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, follow, unrolled
+from gaitsmith.synthesis.gaits.support import zmp
+from gaitsmith.synthesis.motions.biped import biped_from
+from gaitsmith.synthesis.motions.motion import Phase
+
+Array = npt.NDArray[np.float64]
+LONGEST = 3600.0  # s, of all steps together
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A gait at N instants; MuJoCo's order and axes.
+
+    Attributes:
+        phases: the phase of every instant.
+        position: (N, nq) base position and quaternion w x y z, joint angles.
+        velocity: (N, nv).
+        acceleration: (N, nv).
+        torque: (N, n) N·m.
+        wrench: (N, 12) left force and moment, right force and moment, world axes, about the sole frames' origins.
+        zmp: (N, 2) world, m.
+    """
+
+    phases: list[Phase]
+    position: Array
+    velocity: Array
+    acceleration: Array
+    torque: Array
+    wrench: Array
+    zmp: Array
+
+
+class Repetition:
+    """A gait, a cyclic one repeated: two steps are written out, and all others are these two further on.
+
+    Args:
+        gait: the gait.
+        robot: the robot that it was planned for.
+        steps: of a cyclic gait; others are gone through once.
+
+    Attributes:
+        duration: of all steps, s.
+
+    Raises:
+        BadInput: steps that take more than an hour in all.
+    """
+
+    def __init__(self, gait: Gait, robot: Robot, steps: int) -> None:
+        biped = biped_from(robot)
+        self.steps = steps if gait.motion.cyclic else 1
+        self.duration = self.steps * gait.duration
+        if self.duration > LONGEST:
+            valid = f"1 to {int(LONGEST / gait.duration)}, an hour in all at {gait.duration:.4g} s a step"
+            raise BadInput("--steps", steps, valid)
+        self._base = BaseMotion(robot)
+        self._pair = unrolled(gait, biped.partner, biped.sign, min(self.steps, 2))
+        self._travel = np.zeros(2)
+        if self.steps > 2:
+            second = follow(gait, gait, True, biped.partner, biped.sign)
+            third = follow(second, gait, False, biped.partner, biped.sign)
+            starts = (third.motion.phases[0].foothold, gait.motion.phases[0].foothold)
+            self._travel = np.subtract(*starts)
+
+    def at(self, times: Array) -> Samples:
+        """The gait at times (N,) from 0 to its duration, s."""
+        pair, joints = self._pair, len(self._pair.joint_names)
+        turns = np.clip(np.floor(times / pair.duration), 0, (self.steps - 1) // 2)
+        within, away = times - turns * pair.duration, turns[:, None] * self._travel
+        borders = pair.motion.borders
+        index = np.clip(np.searchsorted(borders, within, side="right") - 1, 0, len(borders) - 2)
+        model, count = self._base.robot.model, len(times)
+        position = np.zeros((count, model.nq))
+        velocity, acceleration = np.zeros((count, model.nv)), np.zeros((count, model.nv))
+        torque, wrench, point = np.zeros((count, joints)), np.zeros((count, CHANNELS)), np.zeros((count, 2))
+        for number in np.unique(index).tolist():
+            phase, mask = pair.motion.phases[number], np.flatnonzero(index == number)
+            footholds = np.array(phase.foothold) + away[mask]
+            found = self._base.states(phase.support, footholds, *pair.joints(number, within[mask]))
+            position[mask], velocity[mask], acceleration[mask] = found
+            torque[mask] = pair.torques(number, within[mask]).T
+            wrenches = pair.wrenches(number, within[mask])
+            with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
+                wrench[mask], point[mask] = wrenches.T, zmp(phase, wrenches).T + away[mask]
+        phases = [pair.motion.phases[number] for number in index.tolist()]
+        return Samples(phases, position, velocity, acceleration, torque, wrench, point)

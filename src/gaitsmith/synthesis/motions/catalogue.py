@@ -1,0 +1,200 @@
+"""The paper's motions as data: cyclic (1)-(6), start (21), (22), stop (23), (24), kick (25)-(31)."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import At, Condition, Limit, Motion, Phase, Same, Side, State, opposite
+
+Array = npt.NDArray[np.float64]
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class StepParameters:
+    """One step of a walk.
+
+    Attributes:
+        length: L_step, distance from one foothold to the next, m.
+        period: of a step, s.
+        height: H_step, ankle above its height on the ground at mid-swing, m.
+        double_support: share of the period.
+        heel_share: share of the double support in which the front foot turns about its heel.
+        toe_share: share of it in which the rear foot turns about its toe; both are flat in between.
+        toe_off: q_b, pitch of the rear foot as it leaves the ground, rad.
+        heel_strike: q_f, pitch of the front foot as it meets the ground, rad, toe up.
+        shift: duration of the weight shift before the first and after the last step, s.
+    """
+
+    length: float
+    period: float
+    height: float = 0.04
+    double_support: float = 0.30
+    heel_share: float = 0.30
+    toe_share: float = 0.30
+    toe_off: float = 0.20
+    heel_strike: float = 0.15
+    shift: float = 0.6
+
+
+@dataclass(frozen=True)
+class KickParameters:
+    """The kick of section 6.2; positions in a frame midway between the soles at rest, of the ankle.
+
+    Attributes:
+        ball: x and y of the ankle when it meets the ball, m.
+        speed: v_max, m/s.
+        reach: x_max, m.
+        height: H_max of the raised foot, m.
+        strike: height of the sole at the ball, m: a level toe meets a ball of radius 0.05 m below its middle.
+        durations: of the six phases, s.
+    """
+
+    ball: tuple[float, float] = (0.02, 0.065)
+    speed: float = 2.0
+    reach: float = 0.14
+    height: float = 0.06
+    strike: float = 0.02
+    durations: tuple[float, float, float, float, float, float] = (0.8, 0.6, 0.35, 0.3, 0.9, 0.8)
+
+
+def _record(kind: str, values: object) -> dict[str, float]:
+    """Parameters as plain numbers."""
+    found: dict[str, float] = {}
+    for key, value in asdict(values).items():  # type: ignore[call-overload]
+        if isinstance(value, tuple):
+            found |= {f"{key}_{k + 1}": float(item) for k, item in enumerate(value)}
+        else:
+            found[key] = float(value)
+    return found
+
+
+def _swing(step: StepParameters, support: Side, foothold: Point) -> list[Phase]:
+    single = step.period * (1.0 - step.double_support)
+    return [
+        Phase("swing up", single / 2, support, "air", foothold),
+        Phase("swing down", single / 2, support, "air", foothold),
+    ]
+
+
+def _transfer(step: StepParameters, support: Side, foothold: Point, landing: Point) -> list[Phase]:
+    double = step.period * step.double_support
+    heel, toe = double * step.heel_share, double * step.toe_share
+    return [
+        Phase("heel", heel, support, "heel", foothold, landing, 2),
+        Phase("flat", double - heel - toe, support, "flat", foothold, landing, 2),
+        Phase("toe", toe, opposite(support), "toe", landing, foothold, 2),
+    ]
+
+
+def _apex(biped: Biped, step: StepParameters, border: int) -> list[At]:
+    """(2): the ankle at its highest."""
+    return [At(border, "ankle_z", biped.ankle_height + step.height), At(border, "ankle_vz", 0.0)]
+
+
+def _strike(step: StepParameters, border: int) -> At:
+    """(3): pitch of the foot as its heel meets the ground."""
+    return At(border, "foot_pitch", -float(np.sin(step.heel_strike)))
+
+
+def _off(step: StepParameters, border: int) -> At:
+    """(1): pitch of the rear foot as its toe leaves the ground."""
+    return At(border, "foot_pitch", float(np.sin(step.toe_off)))
+
+
+def cyclic(biped: Biped, step: StepParameters) -> Motion:
+    """One step of the cyclic walk, the right foot as first support; six-point boundary constraints (1)-(6)."""
+    half = biped.width / 2.0
+    here, there = (0.0, -half), (step.length, half)
+    phases = _swing(step, "right", here) + _transfer(step, "right", here, there)
+    conditions = (*_apex(biped, step, 1), _strike(step, 2), _off(step, 5))
+    return Motion("cyclic", tuple(phases), conditions, cyclic=True, parameters=_record("cyclic", step))
+
+
+def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Array, Array]) -> Motion:
+    """From rest to the cyclic walk: weight shift, a step of L_step, a transition step of twice that.
+
+    Args:
+        biped: the robot.
+        step: of the cyclic walk.
+        rest: (n,) q0 of (21).
+        goal: the cyclic gait's angles, velocities and accelerations at its start, of (22).
+    """
+    half, length = biped.width / 2.0, step.length
+    right, left, right2 = (0.0, -half), (length, half), (2.0 * length, -half)
+    phases = [Phase("weight shift", step.shift, "right", "flat", right, (0.0, half), 2)]
+    phases += _swing(step, "right", right) + _transfer(step, "right", right, left)
+    phases += _swing(step, "left", left) + _transfer(step, "left", left, right2)
+    conditions: tuple[Condition, ...] = (
+        State(0, rest, np.zeros_like(rest)),
+        *_apex(biped, step, 2),
+        _strike(step, 3),
+        _off(step, 6),
+        *_apex(biped, step, 7),
+        _strike(step, 8),
+        State(11, *goal),
+    )
+    return Motion("start", tuple(phases), conditions, parameters=_record("start", step))
+
+
+def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Array, Array]) -> Motion:
+    """From the cyclic walk to rest: a transition step, a step that closes up, and a weight shift; (23), (24)."""
+    half, length = biped.width / 2.0, step.length
+    right, left, right2 = (0.0, -half), (length, half), (length, -half)
+    phases = _swing(step, "right", right) + _transfer(step, "right", right, left)
+    phases += _swing(step, "left", left)
+    phases.append(Phase("weight shift", step.shift, "left", "flat", left, right2, 2))
+    conditions: tuple[Condition, ...] = (
+        State(0, *begin),
+        *_apex(biped, step, 1),
+        _strike(step, 2),
+        _off(step, 5),
+        *_apex(biped, step, 6),
+        State(8, rest, np.zeros_like(rest)),
+    )
+    return Motion("stop", tuple(phases), conditions, parameters=_record("stop", step))
+
+
+def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
+    """A kick with the left foot: shift, raise, strike, follow through, return, shift back; (25)-(31).
+
+    q_stable of (26) and (30) is not given by the paper: it is free, the same at both instants, and the bounds of
+    single support hold there. (29) is also imposed as a maximum. At the ball the foot is level, so that the toe meets
+    it, and moves in the ball's plane y.
+    """
+    half, p = biped.width / 2.0, parameters
+    right, left = (0.0, -half), (0.0, half)
+    top = biped.ankle_height + p.height
+    within: tuple[Limit, ...] = (Limit("ankle_x", high=p.reach),)
+    before = (Limit("ankle_x", high=p.ball[0]),)  # or the foot would push the ball away while it is raised
+    d = p.durations
+    phases = (
+        Phase("shift", d[0], "right", "flat", right, left, 2),
+        Phase("raise", d[1], "right", "air", right, sections=2, limits=before),
+        Phase("strike", d[2], "right", "air", right, sections=2, limits=before),
+        Phase("follow through", d[3], "right", "air", right, sections=2, limits=within),
+        Phase("return", d[4], "right", "air", right, sections=3, limits=within),
+        Phase("shift back", d[5], "right", "flat", right, left, 2),
+    )
+    still = np.zeros_like(rest)
+    conditions: tuple[Condition, ...] = (
+        State(0, rest, still),
+        State(1, velocity=still),
+        At(2, "ankle_z", top),
+        State(2, velocity=still),
+        At(3, "ankle_x", p.ball[0]),
+        At(3, "ankle_y", p.ball[1]),
+        At(3, "ankle_vx", p.speed),
+        At(3, "foot_pitch", 0.0),
+        At(3, "sole_z", p.strike),
+        At(4, "ankle_x", p.reach),
+        At(4, "ankle_vx", 0.0),
+        Same(5, 1),
+        State(5, velocity=still),
+        State(6, rest, still),
+    )
+    return Motion("kick", phases, conditions, parameters=_record("kick", p))

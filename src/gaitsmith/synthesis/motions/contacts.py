@@ -1,0 +1,64 @@
+"""What the feet of a motion may do: a foot moves only in the air, and bears the robot only where it stands."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.motions.motion import Phase
+
+_SAME = 1e-6  # m: footholds that count as one
+_Place = tuple[float, float]
+
+
+def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str]) -> None:
+    """Refuse phases in a row that no walking machine can go through.
+
+    Args:
+        phases: in order of time.
+        cyclic: whether the mirror image of the first phase follows the last one.
+        keys: what the file calls the place of the support foot, and that of the other one.
+
+    Raises:
+        BadInput: naming the entry, as in ``phases[2].support``.
+    """
+    for index, phase in enumerate(phases):
+        if (phase.contact == "air") != (phase.other is None):
+            valid = "no place in the air" if phase.contact == "air" else "two numbers, where the other sole stands"
+            raise BadInput(f"phases[{index}].{keys[1]}", phase.other, valid)
+    for index, (before, after) in enumerate(pairwise(phases), start=1):
+        _check_pair(before, after, f"phases[{index}]", keys)
+    if cyclic:
+        _check_cycle(phases[0], phases[-1], keys)
+
+
+def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) -> None:
+    if before.support != after.support and not (before.double and after.double):
+        remedy = "the support changes between two phases with both feet on the ground"
+        raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before", remedy)
+    held, free = _feet(before, after.support)
+    if held is not None and not _equal(held, after.foothold):
+        raise BadInput(f"{field}.{keys[0]}", after.foothold, f"{held}, where that foot stands before")
+    if free is not None and after.other is not None and not _equal(free, after.other):
+        raise BadInput(f"{field}.{keys[1]}", after.other, f"{free}, where that foot stands before")
+
+
+def _check_cycle(first: Phase, last: Phase, keys: tuple[str, str]) -> None:
+    """The mirror image of the first phase, moved to where the last one ends, must be able to follow it."""
+    if last.support == first.support:
+        valid = "a last phase whose support foot differs from the first's"
+        raise BadInput("cyclic", True, valid, "a cyclic motion ends as the mirror image of its start")
+    if first.other is not None and last.other is not None:
+        gaps = [b - a for a, b in zip(first.foothold, first.other, strict=True)]
+        wanted = (last.foothold[0] + gaps[0], last.foothold[1] - gaps[1])
+        if not _equal(wanted, last.other):
+            raise BadInput(f"cyclic: last phase's {keys[1]}", last.other, f"{wanted}, the first's mirror image")
+
+
+def _feet(phase: Phase, support: str) -> tuple[_Place | None, _Place | None]:
+    """Where the foot called ``support`` stands in a phase, and where the other one does."""
+    return (phase.foothold, phase.other) if phase.support == support else (phase.other, phase.foothold)
+
+
+def _equal(one: _Place, two: _Place) -> bool:
+    return max(abs(a - b) for a, b in zip(one, two, strict=True)) <= _SAME

@@ -1,0 +1,83 @@
+"""CasADi functions of one point of a gait: values, Jacobian and Hessian, compiled when a C compiler is present."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.layout import Layout
+from gaitsmith.synthesis.point.caller import Caller
+from gaitsmith.synthesis.point.expressions import point_expressions
+from gaitsmith.synthesis.point.library import point_library
+
+_KEPT = 64  # mapped functions that are remembered
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PointFunctions:
+    """The three functions of a point and how they came about.
+
+    Attributes:
+        layout: meaning of inputs z and outputs o.
+        value: (z, pivot) -> o.
+        jacobian: (z, pivot) -> (o, do/dz).
+        hessian: (z, pivot, multipliers, weight) -> d²(multipliersᵀ o)/dz² + 2 weight JᵀJ with J = dτ/dz.
+        compiled: whether they are machine code.
+        compile_s: time spent compiling in this call, s.
+    """
+
+    layout: Layout
+    value: Any
+    jacobian: Any
+    hessian: Any
+    compiled: bool
+    compile_s: float
+    _mapped: dict[tuple[str, int], Caller] = field(default_factory=dict)
+
+    def evaluate(self, points: Array, pivots: Array) -> Array:
+        """Outputs (outputs, K) for many points: inputs (inputs, K) and pivots (3, K)."""
+        count = points.shape[1]
+        if count == 0:
+            return np.zeros((self.layout.outputs, 0))
+        (found,) = self._caller("value", count)(points.T.ravel(), pivots.T.ravel())
+        return found.reshape(count, self.layout.outputs).T.copy()
+
+    def differentiate(self, points: Array, pivots: Array) -> tuple[Array, Array]:
+        """Outputs (outputs, K) and Jacobians (K, outputs, inputs) for many points."""
+        count = points.shape[1]
+        values, slopes = self._caller("jacobian", count)(points.T.ravel(), pivots.T.ravel())
+        rows, columns = self.jacobian.sparsity_out(1).get_triplet()
+        dense = np.zeros((count, self.layout.outputs, self.layout.inputs))
+        dense[:, rows, columns] = slopes.reshape(count, -1)
+        return values.reshape(count, self.layout.outputs).T.copy(), dense
+
+    def _caller(self, name: str, count: int) -> Caller:
+        """The function mapped over a number of points, kept for the next time."""
+        key = (name, count)
+        if key not in self._mapped:
+            if len(self._mapped) > _KEPT:
+                self._mapped.clear()
+            self._mapped[key] = Caller(getattr(self, name).map(count))
+        return self._mapped[key]
+
+
+def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -> PointFunctions:
+    """The functions of a point for one robot, from the cache, the compiler, or CasADi's virtual machine.
+
+    Args:
+        biped: the robot as the planner sees it.
+        notify: told once when something slow happens (compiling, or no compiler, or no place for what it makes).
+
+    Raises:
+        CacheRefused: the cache folder is not the owner's alone.
+    """
+    loaded, spent = point_library(biped, notify or (lambda _: None))
+    value, jacobian, hessian = loaded if loaded is not None else point_expressions(biped)
+    return PointFunctions(Layout(biped.joints), value, jacobian, hessian, loaded is not None, spent)

@@ -1,0 +1,1 @@
+"""From a motion to a nonlinear program: splines, bounds, boundary conditions, rows and derivatives."""

@@ -1,0 +1,125 @@
+"""A program's derivatives as CasADi functions: compiled per point, mapped, and assembled sparsely as BᵀHB."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, Program
+
+Array = npt.NDArray[np.float64]
+
+
+def _sparse(matrix: sp.spmatrix) -> Any:
+    """A SciPy matrix as CasADi's."""
+    found = sp.csc_matrix(matrix)
+    found.sort_indices()
+    pattern = ca.Sparsity(found.shape[0], found.shape[1], found.indptr.tolist(), found.indices.tolist())
+    return ca.DM(pattern, found.data)
+
+
+def _blocks(pattern: Any, count: int) -> Any:
+    """Block-diagonal pattern with ``count`` equal blocks."""
+    return ca.diagcat(*([pattern] * count))
+
+
+class Assembly:
+    """CasADi functions of a whole program; the objective is scaled by ``OBJECTIVE_SCALE``.
+
+    Args:
+        program: the program.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.x, self.p = ca.MX.sym("x", program.size), ca.MX.sym("p", 0)
+        layout, count = program.functions.layout, program.points.count
+        self._B, self._C, self._D = _sparse(program.inputs), _sparse(program.outputs), _sparse(program.linear)
+        self._pivots, self._price = ca.DM(program.pivots), ca.DM(program.price)
+        self._weight = ca.DM(program.points.weight * OBJECTIVE_SCALE).T
+        self._z = ca.reshape(ca.mtimes(self._B, self.x), layout.inputs, count)
+        self._o = program.functions.value.map(count)(self._z, self._pivots)
+
+    def _torque_slope(self, torque: Any) -> Any:
+        """D objective / d outputs, (outputs, K)."""
+        layout = self.program.functions.layout
+        rest = ca.MX(layout.outputs - layout.joints, self.program.points.count)
+        return ca.vertcat(2 * ca.repmat(self._weight, layout.joints, 1) * torque, rest)
+
+    @cached_property
+    def problem(self) -> dict[str, Any]:
+        """Unknowns, objective and rows."""
+        layout, program = self.program.functions.layout, self.program
+        torque, u = self._o[: layout.joints, :], self._z[layout.wrench :, :]
+        f = ca.dot(ca.repmat(self._weight, layout.joints, 1) * torque, torque)
+        f += program.wrench_weight * ca.dot(ca.repmat(self._weight, 6, 1) * u, u)
+        f += ca.dot(self._price, self.x)
+        return {"x": self.x, "f": f, "g": ca.mtimes(self._C, ca.vec(self._o)) + ca.mtimes(self._D, self.x)}
+
+    def _jacobians(self) -> tuple[Any, Any]:
+        """Outputs and their block-diagonal Jacobian."""
+        fun, count = self.program.functions, self.program.points.count
+        o, jac = fun.jacobian.map(count)(self._z, self._pivots)
+        return o, ca.sparsity_cast(jac, _blocks(fun.jacobian.sparsity_out(1), count))
+
+    def _slope(self, o: Any, J: Any) -> Any:
+        """Gradient of the objective."""
+        layout, program = self.program.functions.layout, self.program
+        count = program.points.count
+        u = 2 * program.wrench_weight * ca.repmat(self._weight, 6, 1) * self._z[layout.wrench :, :]
+        inner = ca.vec(ca.densify(ca.vertcat(ca.MX(layout.wrench, count), u)))
+        outer = ca.vec(ca.densify(self._torque_slope(o[: layout.joints, :])))
+        return ca.mtimes(self._B.T, ca.mtimes(J.T, outer) + inner) + self._price
+
+    @cached_property
+    def gradient(self) -> Any:
+        """(x, p) -> objective, gradient."""
+        o, J = self._jacobians()
+        return ca.Function("nlp_grad_f", [self.x, self.p], [self.problem["f"], self._slope(o, J)])
+
+    @cached_property
+    def jacobian(self) -> Any:
+        """(x, p) -> rows, Jacobian of the rows."""
+        o, J = self._jacobians()
+        rows = ca.mtimes(self._C, ca.vec(o)) + ca.mtimes(self._D, self.x)
+        return ca.Function("nlp_jac_g", [self.x, self.p], [rows, ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D])
+
+    @cached_property
+    def first_order(self) -> Any:
+        """X -> gradient of the objective, rows, Jacobian of the rows."""
+        o, J = self._jacobians()
+        rows = ca.mtimes(self._C, ca.vec(o)) + ca.mtimes(self._D, self.x)
+        jacobian = ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D
+        return ca.Function("first_order", [self.x], [self._slope(o, J), rows, jacobian])
+
+    @cached_property
+    def hessian(self) -> Any:
+        """(x, p, factor of the objective, multipliers) -> upper triangle of the Lagrangian's Hessian."""
+        layout, program = self.program.functions.layout, self.program
+        factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", program.rows)
+        on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, program.points.count)
+        on_outputs = on_outputs + factor * self._torque_slope(self._o[: layout.joints, :])
+        found = ca.triu(self._curvature(on_outputs, factor))
+        return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
+
+    @cached_property
+    def gauss_newton(self) -> Any:
+        """X -> upper triangle of the objective's Hessian without the curvature of the torques: never negative."""
+        flat = ca.MX(self.program.functions.layout.outputs, self.program.points.count)
+        return ca.Function("gauss_newton", [self.x], [ca.triu(self._curvature(flat, ca.MX(1.0)))])
+
+    def _curvature(self, on_outputs: Any, factor: Any) -> Any:
+        """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
+        layout, program, fun = self.program.functions.layout, self.program, self.program.functions
+        count = program.points.count
+        blocks = fun.hessian.map(count)(self._z, self._pivots, on_outputs, factor * self._weight)
+        H = ca.sparsity_cast(blocks, _blocks(fun.hessian.sparsity_out(0), count))
+        u_part = np.zeros((layout.inputs, count))
+        u_part[layout.wrench :, :] = 2 * program.wrench_weight * program.points.weight * OBJECTIVE_SCALE
+        constant = _sparse(program.inputs.T @ sp.diags(u_part.T.ravel()) @ program.inputs)
+        return ca.mtimes(ca.mtimes(self._B.T, H), self._B) + factor * constant

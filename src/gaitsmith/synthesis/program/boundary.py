@@ -1,0 +1,165 @@
+"""Boundary constraints: closure of the feet (1)-(5), periodicity (6), the start, stop and kick conditions (21)-(31)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State
+from gaitsmith.synthesis.program.bounds import pivot_of, quantity_form, unit_of
+from gaitsmith.synthesis.program.rows import Label, Rows
+from gaitsmith.synthesis.program.transcription import Points, Transcription
+
+Array = npt.NDArray[np.float64]
+_MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+
+
+def _point(points: Points, phase: int, time: float) -> int:
+    """Index of the point of a phase at a time."""
+    found = np.flatnonzero((points.phase == phase) & (np.abs(points.time - time) < 1e-9))
+    if len(found) == 0:
+        raise BadInput("point", time, "an instant among the collocation points")
+    return int(found[0])
+
+
+def closure_rows(rows: Rows, trans: Transcription, points: Points) -> None:
+    """Closure in position, velocity and acceleration at every knot of double support (the quartic: without the last).
+
+    A foot that turns about an edge keeps the edge in place and its roll and yaw at zero; a flat one its pitch too.
+    """
+    motion, knots = trans.motion, trans.spline.knots
+    phases = motion.phases
+    for index, phase in enumerate(phases):
+        if not phase.double:
+            continue
+        first = trans.first_section[index]
+        joined = index > 0 and phases[index - 1].double
+        for k in range(phase.sections + 1):
+            if k == 0 and joined:
+                continue
+            at_end = k == phase.sections
+            flat = phase.contact == "flat" or (at_end and index + 1 < len(phases) and phases[index + 1].double)
+            _close(rows, trans, _point(points, index, knots[first + k]), index, phase, flat, float(knots[first + k]))
+
+
+def _close(rows: Rows, trans: Transcription, point: int, index: int, phase: Phase, flat: bool, time: float) -> None:
+    layout = trans.layout
+    base = point * layout.outputs
+    pivot = pivot_of(trans.biped, phase)
+    assert phase.other is not None
+    dx = phase.other[0] - phase.foothold[0] + pivot[0]
+    dy = phase.side * (phase.other[1] - phase.foothold[1])
+    label = Label(f"closure of the {phase.contact} foot", "m or rad", index, time, 1.0)
+    for axis, value in enumerate((dx, dy, 0.0)):
+        rows.add(label, value, value, {base + layout.pivot + axis: 1.0})
+    for name in ("foot_roll", "foot_yaw") + (("foot_pitch",) if flat else ()):
+        rows.add(label, 0.0, 0.0, {base + getattr(layout, name): 1.0})
+    turning = (0, 1, 2) if flat else (0, 2)
+    for axis in range(3):
+        rows.add(label, 0.0, 0.0, {base + layout.pivot_velocity + axis: 1.0})
+    for axis in turning:
+        rows.add(label, 0.0, 0.0, {base + layout.foot_omega + axis: 1.0})
+    if trans.settings.order < 5:
+        return
+    for axis in range(3):
+        rows.add(label, 0.0, 0.0, {base + layout.pivot_acceleration + axis: 0.1})
+    for axis in turning:
+        rows.add(label, 0.0, 0.0, {base + layout.foot_alpha + axis: 0.1})
+
+
+def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
+    """Continuity of u: zero where a foot meets or leaves the ground, continuous in between, no moment about an edge."""
+    motion, layout = trans.motion, trans.layout
+    phases = motion.phases
+    for index, phase in enumerate(phases):
+        if not phase.double:
+            continue
+        columns = trans.wrench_columns(index)
+        start = float(motion.borders[index])
+        label = Label("wrench of the other foot", "weights", index, start, 1.0)
+        edge = phase.contact in ("heel", "toe")
+        fixed: set[tuple[int, int]] = set()
+        if edge:
+            fixed |= {(4, k) for k in range(4)}
+        if motion.meets(index):
+            fixed |= {(row, 0) for row in range(6)}
+        if motion.leaves(index):
+            fixed |= {(row, 3) for row in range(6)}
+        for row, k in sorted(fixed):
+            rows.add(label, 0.0, 0.0, lin={int(columns[row, k]): 1.0})
+        if index == 0 or not phases[index - 1].double:
+            continue
+        previous = phases[index - 1]
+        here = _about_sole(trans, index, 0)
+        same = previous.support == phase.support
+        there = _about_sole(trans, index - 1, 3) if same else None
+        point = _point(points, index - 1, start)
+        for row in range(6):
+            lin = dict(here[row])
+            if there is not None:
+                for column, value in there[row].items():
+                    lin[column] = lin.get(column, 0.0) - value
+                rows.add(label, 0.0, 0.0, lin=lin)
+                continue
+            # The wrench on the sole that was the support, seen in the mirrored frame of the new one.
+            factor = -_MIRROR[row] / trans.biped.weight
+            rows.add(label, 0.0, 0.0, {point * layout.outputs + layout.force + row: float(factor)}, lin)
+
+
+def _about_sole(trans: Transcription, phase: int, coefficient: int) -> list[dict[int, float]]:
+    """Six forms in x: u of a phase at its start (coefficient 0) or end (3), about the sole frame's origin, flat."""
+    columns = trans.wrench_columns(phase)[:, coefficient]
+    x = float(pivot_of(trans.biped, trans.motion.phases[phase])[0])
+    forms = [{int(column): 1.0} for column in columns]
+    if x:
+        forms[4][int(columns[2])] = -x
+        forms[5][int(columns[1])] = x
+    return forms
+
+
+def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
+    """Conditions of the motion at its borders, and periodicity (6) with the second derivative."""
+    motion = trans.motion
+    borders = motion.borders
+    for condition in motion.conditions:
+        time = float(borders[condition.border])
+        index = max(condition.border - 1, 0)
+        if isinstance(condition, State):
+            for derivative, values in enumerate((condition.position, condition.velocity, condition.acceleration)):
+                if values is not None:
+                    label = Label(f"joint state at border {condition.border}", "rad", index, time, 1.0)
+                    scale = (1.0, 0.1, 0.01)[derivative]
+                    rows.add_linear(label, trans.state_rows(condition.border, derivative) * scale, values * scale)
+        elif isinstance(condition, Same):
+            label = Label(f"the posture of border {condition.other}", "rad", index, time, 1.0)
+            matrix = trans.state_rows(condition.border, 0) - trans.state_rows(condition.other, 0)
+            rows.add_linear(label, _compressed(matrix), np.zeros(trans.biped.joints))
+        elif isinstance(condition, At):
+            form, constant = quantity_form(trans.biped, motion.phases[index], condition.quantity)
+            point = _point(points, index, time)
+            base = point * trans.layout.outputs
+            value = condition.value - constant
+            unit = unit_of(condition.quantity)
+            label = Label(condition.quantity, unit, index, time, 1.0, constant, unit == "rad")
+            rows.add(label, value, value, {base + k: factor for k, factor in form.items()})
+    if motion.cyclic:
+        _periodic_rows(rows, trans, motion)
+
+
+def _periodic_rows(rows: Rows, trans: Transcription, motion: Motion) -> None:
+    last = len(motion.phases)
+    partner, sign = trans.biped.partner, trans.biped.sign
+    for derivative, scale in enumerate((1.0, 0.1, 0.01)):
+        start = trans.state_rows(0, derivative)[partner].multiply(sign[:, None])
+        matrix = (trans.state_rows(last, derivative) - start) * scale
+        label = Label("periodicity", "rad", last - 1, float(motion.borders[-1]), 1.0)
+        rows.add_linear(label, _compressed(matrix), np.zeros(trans.biped.joints))
+
+
+def _compressed(matrix: sp.spmatrix) -> sp.csr_matrix:
+    """A matrix in compressed rows, without stored zeros."""
+    found = sp.csr_matrix(matrix)
+    found.eliminate_zeros()
+    return found

@@ -1,0 +1,144 @@
+"""The nonlinear program (19), (20): objective and rows at chosen points, with derivatives assembled as BᵀHB."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from gaitsmith.synthesis.point.functions import PointFunctions
+from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, wrench_rows
+from gaitsmith.synthesis.program.rows import Label, Rows
+from gaitsmith.synthesis.program.transcription import Points, Transcription
+
+Array = npt.NDArray[np.float64]
+OBJECTIVE_SCALE = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """min scale * sum of weights (τᵀτ + ρ uᵀu) subject to low <= C vec(O) + D x <= high.
+
+    Attributes:
+        functions: of a point.
+        points: where they are evaluated.
+        pivots: (3, K).
+        inputs: B, (K * inputs, size).
+        outputs: C, (rows, K * outputs).
+        linear: D, (rows, size).
+        low, high: (rows,).
+        labels: what each row says.
+        wrench_weight: ρ.
+        price: (size,) of the unknowns, a linear part of the scaled objective.
+    """
+
+    functions: PointFunctions
+    points: Points
+    pivots: Array
+    inputs: sp.csr_matrix
+    outputs: sp.csr_matrix
+    linear: sp.csr_matrix
+    low: Array
+    high: Array
+    labels: list[Label]
+    wrench_weight: float
+    price: Array
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return int(self.inputs.shape[1])
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(self.low)
+
+    def evaluate(self, x: Array) -> tuple[Array, Array]:
+        """Inputs (inputs, K) and outputs (outputs, K) of all points."""
+        layout = self.functions.layout
+        z = (self.inputs @ x).reshape(self.points.count, layout.inputs).T
+        return z, self.functions.evaluate(z, self.pivots)
+
+    def constraint(self, x: Array, o: Array) -> Array:
+        """Values of the rows (rows,) from the outputs at ``x``."""
+        return np.asarray(self.outputs @ o.T.ravel() + self.linear @ x)
+
+    def objective(self, z: Array, o: Array) -> float:
+        """J of eq. (16), unscaled and without prices."""
+        layout = self.functions.layout
+        torque, u = o[: layout.joints], z[layout.wrench :]
+        return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.wrench_weight * np.sum(u**2, axis=0)))
+
+    def violation(self, values: Array) -> Array:
+        """By how much each row is violated, 0 where it holds."""
+        return np.asarray(np.maximum(np.maximum(self.low - values, values - self.high), 0.0))
+
+
+@dataclass(frozen=True)
+class Pick:
+    """A bound imposed at a time: ``bound`` counts the phase's bounds; ``tighten`` is a share of its span."""
+
+    phase: int
+    bound: int
+    time: float
+    tighten: float = 0.0
+
+
+def make_program(
+    trans: Transcription, functions: PointFunctions, points: Points, picks: list[Pick] | None = None
+) -> Program:
+    """The program on given points.
+
+    Args:
+        trans: unknowns and bounds.
+        functions: of a point.
+        points: collocation points and added ones.
+        picks: bounds to impose; all bounds at all points if None.
+    """
+    rows = Rows(trans.layout, trans.size)
+    inputs = trans.input_map(points)
+    closure_rows(rows, trans, points)
+    wrench_rows(rows, trans, points)
+    condition_rows(rows, trans, points)
+    if picks is None:
+        picks = all_picks(trans, points)
+    where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
+    shares = trans.shares(np.array([pick.phase for pick in picks]), np.array([pick.time for pick in picks])).tolist()
+    entries = rows.entries(inputs)
+    for pick, share in zip(picks, shares, strict=True):
+        bound = trans.bounds[pick.phase][pick.bound]
+        constant = 0.0 if bound.rise else bound.constant
+        label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span, constant, bound.sine)
+        rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, entries, pick.tighten)
+    c, d = rows.matrices(points.count)
+    return Program(
+        functions=functions,
+        points=points,
+        pivots=trans.pivots[points.phase].T.copy(),
+        inputs=inputs,
+        outputs=c,
+        linear=d,
+        low=np.array(rows.low),
+        high=np.array(rows.high),
+        labels=rows.labels,
+        wrench_weight=trans.settings.wrench_weight,
+        price=np.zeros(trans.size),
+    )
+
+
+def all_picks(trans: Transcription, points: Points) -> list[Pick]:
+    """Every bound at every point."""
+    borders, motion = trans.motion.borders, trans.motion
+    found = []
+    for phase, time in zip(points.phase.tolist(), points.time.tolist(), strict=True):
+        start, end = abs(time - borders[phase]) < 1e-9, abs(time - borders[phase + 1]) < 1e-9
+        free = (start and motion.meets(phase)) or (end and motion.leaves(phase))
+        for k, bound in enumerate(trans.bounds[phase]):
+            # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
+            unloaded = free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench
+            if not (bound.interior and (start or end)) and not unloaded:
+                found.append(Pick(phase, k, time))
+    return found

@@ -1,0 +1,170 @@
+"""From a motion to a nonlinear program: the unknowns, the points, and the linear maps between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.layout import Layout
+from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.program.bounds import Bound, phase_bounds, pivot_of
+from gaitsmith.synthesis.program.curves import JointSpline, bernstein, lobatto
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+WRENCH_DEGREE = 3
+
+
+@dataclass(frozen=True)
+class Points:
+    """Instants at which the dynamics are evaluated.
+
+    Attributes:
+        phase: (K,) index of the phase.
+        section: (K,) index of the spline section.
+        time: (K,) s from the start of the motion.
+        weight: (K,) s, of the integral (16); 0 for added points.
+    """
+
+    phase: Indices
+    section: Indices
+    time: Array
+    weight: Array
+
+    @property
+    def count(self) -> int:
+        """Number of points K."""
+        return len(self.time)
+
+
+class Transcription:
+    """Unknowns x of a motion and their linear maps to the points.
+
+    x holds the joint splines' control points, joint by joint, then for every phase of double support the Bernstein
+    coefficients of u in units of the robot's weight (N and N·m).
+
+    Attributes:
+        biped, motion, settings: what was given.
+        spline: the joint spline of every joint.
+        size: number of unknowns.
+        bounds: per phase, every bound that holds throughout it.
+    """
+
+    def __init__(self, biped: Biped, motion: Motion, settings: Settings) -> None:
+        self.biped, self.motion, self.settings = biped, motion, settings
+        self.layout = Layout(biped.joints)
+        self.borders = motion.borders
+        knots, self.first_section = [0.0], []
+        for phase, start in zip(motion.phases, motion.borders, strict=False):
+            self.first_section.append(len(knots) - 1)
+            knots += [start + phase.duration * (k + 1) / phase.sections for k in range(phase.sections)]
+        self.spline = JointSpline(np.array(knots), settings.order)
+        self.phase_of_section = [i for i, phase in enumerate(motion.phases) for _ in range(phase.sections)]
+        self._wrench_first: dict[int, int] = {}
+        size = biped.joints * self.spline.size
+        for index, phase in enumerate(motion.phases):
+            if phase.double:
+                self._wrench_first[index] = size
+                size += 6 * (WRENCH_DEGREE + 1)
+        self.size = size
+        self.bounds: list[list[Bound]] = [
+            phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
+        ]
+        self.pivots = np.array([pivot_of(biped, phase) for phase in motion.phases])
+
+    def points(self) -> Points:
+        """Gauss-Lobatto points of every section; a knot inside a phase is one point."""
+        phase: list[int] = []
+        section: list[int] = []
+        time: list[float] = []
+        weight: list[float] = []
+        for index, item in enumerate(self.motion.phases):
+            nodes, weights = lobatto(self.settings.double_nodes if item.double else self.settings.single_nodes)
+            for k in range(item.sections):
+                number = self.first_section[index] + k
+                a, b = self.spline.knots[number], self.spline.knots[number + 1]
+                for node, w in zip(nodes, weights, strict=True):
+                    if k and node == 0.0:
+                        weight[-1] += w * (b - a)
+                        continue
+                    phase.append(index)
+                    section.append(number)
+                    time.append(a + (b - a) * node)
+                    weight.append(w * (b - a))
+        return Points(np.array(phase), np.array(section), np.array(time), np.array(weight))
+
+    def dense_points(self, count: int) -> Points:
+        """``count`` equally spaced points a phase, ends included."""
+        phase, section, time = [], [], []
+        borders = self.motion.borders
+        for index in range(len(self.motion.phases)):
+            times = np.linspace(borders[index], borders[index + 1], count)
+            last = self.first_section[index] + self.motion.phases[index].sections - 1
+            for t in times:
+                phase.append(index)
+                section.append(min(max(self.spline.section_at(t), self.first_section[index]), last))
+                time.append(t)
+        return Points(np.array(phase), np.array(section), np.array(time), np.zeros(len(time)))
+
+    def share(self, phase: int, times: Array) -> Array:
+        """Normalised time in a phase, 0 to 1."""
+        start = self.borders[phase]
+        return np.asarray(np.clip((times - start) / self.motion.phases[phase].duration, 0.0, 1.0))
+
+    def shares(self, phases: Indices, times: Array) -> Array:
+        """Normalised times of instants in different phases."""
+        lengths = np.diff(self.borders)[phases]
+        return np.asarray(np.clip((times - self.borders[phases]) / lengths, 0.0, 1.0))
+
+    def wrench_columns(self, phase: int) -> Indices:
+        """(6, 4) unknowns that hold the Bernstein coefficients of u in a phase of double support."""
+        return self._wrench_first[phase] + np.arange(24).reshape(6, 4)
+
+    def joint_columns(self, joint: int, section: int) -> Indices:
+        """Unknowns that a joint's spline depends on in a section."""
+        start = joint * self.spline.size + self.spline.first(section)
+        return np.arange(start, start + self.spline.degree + 1)
+
+    def state_rows(self, border: int, derivative: int) -> sp.csr_matrix:
+        """(n, size) map from x to joint angles or a derivative at a border between phases, in the robot's order."""
+        t = float(self.borders[border])
+        section = self.first_section[border] if border < len(self.first_section) else len(self.spline.knots) - 2
+        row = self.spline.row(section, t, derivative)
+        n = self.biped.joints
+        columns = np.concatenate([self.joint_columns(joint, section) for joint in range(n)])
+        rows = np.repeat(np.arange(n), len(row))
+        return sp.csr_matrix((np.tile(row, n), (rows, columns)), shape=(n, self.size))
+
+    def input_map(self, points: Points) -> sp.csr_matrix:
+        """(K * inputs, size) map from x to the inputs of all points, each in its phase's local frame."""
+        layout, n = self.layout, self.biped.joints
+        width = self.spline.degree + 1
+        borders, scale = self.borders, self.biped.weight
+        data, rows, columns = [], [], []
+        local = np.arange(n)
+        for k in range(points.count):
+            index, section, t = int(points.phase[k]), int(points.section[k]), float(points.time[k])
+            phase = self.motion.phases[index]
+            base = k * layout.inputs
+            # Local joint j is the robot's joint j, or its partner's mirror image.
+            source = local if phase.side > 0 else self.biped.partner
+            sign = np.ones(n) if phase.side > 0 else self.biped.sign
+            starts = source * self.spline.size + self.spline.first(section)
+            block = (starts[:, None] + np.arange(width)).ravel()
+            for derivative in range(3):
+                row = self.spline.row(section, t, derivative)
+                data.append((sign[:, None] * row).ravel())
+                rows.append(np.repeat(base + derivative * n + local, width))
+                columns.append(block)
+            if phase.double:
+                s = (t - borders[index]) / phase.duration
+                data.append(np.tile(scale * bernstein(WRENCH_DEGREE, min(max(s, 0.0), 1.0)), 6))
+                rows.append(np.repeat(base + layout.wrench + np.arange(6), WRENCH_DEGREE + 1))
+                columns.append(self.wrench_columns(index).ravel())
+        shape = (points.count * layout.inputs, self.size)
+        return sp.csr_matrix((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)

@@ -1,0 +1,211 @@
+"""Motions that a user writes: phases, footholds and conditions in TOML."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded
+from gaitsmith.robots.parameters import Parameters
+from gaitsmith.synthesis.gaits.refusal import refusal
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.contacts import check_contacts
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Same, State
+from gaitsmith.synthesis.motions.posture import standing
+from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.requests.request import REST, Answer
+from gaitsmith.synthesis.solution.ipopt import Progress
+from gaitsmith.synthesis.solution.plan import Planner
+
+PHASES, SECTIONS = 60, 120  # of a motion
+_LARGEST = 1_000_000
+_REPORT = Callable[[str, int, Progress], None]
+Array = npt.NDArray[np.float64]
+Amount = Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]  # m, m/s or the sine of an angle
+Place = tuple[Amount, Amount]
+
+
+class _Range(BaseModel):
+    """Bounds on a quantity."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    low: Annotated[Amount | None, Field(alias="min")] = None
+    high: Annotated[Amount | None, Field(alias="max")] = None
+
+
+class _PhaseText(Parameters):
+    """One phase as written."""
+
+    name: Annotated[str, Field(min_length=1, max_length=60)]
+    duration: Annotated[float, Field(ge=0.02, le=60.0, allow_inf_nan=False)]
+    support: Literal["left", "right"]
+    contact: Literal["air", "flat", "heel", "toe"]
+    support_at: Place
+    other_at: Place | None = None
+    sections: Annotated[int, Field(ge=1, le=20)] = 1
+    limits: dict[str, _Range] = Field(default_factory=dict)
+
+
+class _ConditionText(Parameters):
+    """One condition as written: at the end of a phase, or at the start of the motion."""
+
+    after: str | None = None
+    rest: bool = False
+    standing: bool = False
+    same_as: str | None = None
+    values: dict[str, Amount] = Field(default_factory=dict)
+
+
+class MotionText(Parameters):
+    """A motion file.
+
+    Attributes:
+        name: of the motion; it decides nothing.
+        cyclic: whether the end is the mirror image of the start, one step further.
+        standing_height: hips above the soles in the standing posture, m; 3 cm below straight legs if absent.
+        phases: in order of time.
+        conditions: at the ends of phases; ``after`` names the phase, and is absent for the start of the motion.
+        settings: bounds, order, tolerances; what is absent keeps its default.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,40}$")]
+    cyclic: bool = False
+    standing_height: Annotated[float | None, Field(gt=0.0, le=10.0, allow_inf_nan=False)] = None
+    phases: Annotated[tuple[_PhaseText, ...], Field(min_length=1, max_length=PHASES)]
+    conditions: Annotated[tuple[_ConditionText, ...], Field(max_length=2 * PHASES)] = ()
+    settings: Settings = Settings()
+
+
+def read_motion(path: Path, biped: Biped) -> tuple[Motion, Settings]:
+    """The motion in a TOML file; types are taken as written, a text is never a number.
+
+    Raises:
+        BadInput: the file cannot be read, or names the entry that is wrong.
+    """
+    try:
+        data = tomllib.loads(read_bounded(path, _LARGEST).decode("utf-8"))
+        text = MotionText.model_validate_json(json.dumps(data, default=str), strict=True)
+    except ValidationError as error:
+        raise refusal(error, MotionText, path.name) from None
+    except RecursionError:
+        raise BadInput(path.name, "deeply nested values", "a motion in TOML") from None
+    except ValueError as error:
+        raise BadInput(path.name, str(error)[:80], "a motion in TOML") from None
+    try:
+        return _motion(text, biped), text.settings
+    except BadInput as error:
+        raise BadInput(f"{path.name}: {error.field}", error.value, error.valid, error.remedy) from None
+
+
+def _motion(text: MotionText, biped: Biped) -> Motion:
+    names = [phase.name for phase in text.phases]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise BadInput(f"phases[{index}].name", name, "names that all differ")
+    sections = sum(phase.sections for phase in text.phases)
+    if sections > SECTIONS:
+        raise BadInput("phases", f"{sections} sections", f"at most {SECTIONS} sections in all phases together")
+    phases = tuple(_phase(item, f"phases[{index}]") for index, item in enumerate(text.phases))
+    check_contacts(phases, text.cyclic, ("support_at", "other_at"))
+    _check_footholds(phases, biped, text.settings.bounds.foot_gap)
+    rest = None
+    if any(item.standing for item in text.conditions):
+        rest = _standing(biped, text.standing_height)
+    conditions: list[At | State | Same] = []
+    for index, item in enumerate(text.conditions):
+        conditions += _conditions(item, f"conditions[{index}]", names, rest, biped.joints)
+    return Motion(text.name, phases, tuple(conditions), text.cyclic)
+
+
+def _standing(biped: Biped, height: float | None) -> Array:
+    try:
+        return standing(biped, height or biped.height - REST)
+    except BadInput as error:
+        raise BadInput("standing_height", error.value, error.valid, error.remedy) from None
+
+
+def _phase(item: _PhaseText, field: str) -> Phase:
+    limits = []
+    for name, value in item.limits.items():
+        place = f"{field}.limits.{name}"
+        if name not in QUANTITIES:
+            raise BadInput(place, name, f"one of {', '.join(QUANTITIES)}")
+        if value.low is None and value.high is None:
+            raise BadInput(place, "nothing", "min, max, or both")
+        if value.low is not None and value.high is not None and value.low > value.high:
+            raise BadInput(place, f"min {value.low:g} and max {value.high:g}", "min that is not above max")
+        low, high = (-np.inf if value.low is None else value.low), (np.inf if value.high is None else value.high)
+        limits.append(Limit(name, low, high))
+    return Phase(
+        item.name,
+        item.duration,
+        item.support,
+        item.contact,
+        item.support_at,
+        item.other_at,
+        item.sections,
+        tuple(limits),
+    )
+
+
+def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:
+    """Soles lie side by side, the left one on the left, and no nearer than the bounds allow."""
+    least = 2.0 * biped.leg("left").sole.half_width + gap
+    for index, phase in enumerate(phases):
+        if phase.other is not None:
+            apart = phase.side * (phase.other[1] - phase.foothold[1])
+            if apart < least - 1e-9:
+                valid = f"at least {least:.4g} m: the soles' width and bounds.foot_gap"
+                remedy = "y points to the left; the left sole lies left of the right one"
+                raise BadInput(f"phases[{index}].other_at", f"left sole {apart:.4g} m left of the right", valid, remedy)
+
+
+def _conditions(
+    item: _ConditionText, field: str, names: list[str], rest: Array | None, joints: int
+) -> list[At | State | Same]:
+    """What one entry asks for."""
+    border = _border(item.after, names, f"{field}.after")
+    found: list[At | State | Same] = []
+    for quantity, value in item.values.items():
+        if quantity not in QUANTITIES:
+            raise BadInput(f"{field}.values.{quantity}", quantity, f"one of {', '.join(QUANTITIES)}")
+        found.append(At(border, quantity, value))
+    if item.rest or item.standing:
+        found.append(State(border, rest if item.standing else None, np.zeros(joints)))
+    if item.same_as is not None:
+        other = _border(item.same_as, names, f"{field}.same_as")
+        if other == border:
+            raise BadInput(f"{field}.same_as", item.same_as, "another instant than the condition's own")
+        found.append(Same(border, other))
+    if not found:
+        raise BadInput(field, "nothing to hold", "standing, rest, same_as or values")
+    return found
+
+
+def _border(after: str | None, names: list[str], field: str) -> int:
+    if after is None:
+        return 0
+    if after not in names:
+        raise BadInput(field, after, f"one of {', '.join(names)}")
+    return names.index(after) + 1
+
+
+def answer_file(planner: Planner, path: Path, report: _REPORT | None = None) -> Answer:
+    """Plan the motion in a file.
+
+    Raises:
+        BadInput: as :func:`read_motion`.
+    """
+    motion, settings = read_motion(path, planner.biped)
+    tell: Any = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
+    found = planner.plan(motion, settings, report=tell)
+    return Answer({motion.name: found}, found.gait)

@@ -1,0 +1,199 @@
+"""What a user asks for, and the plan that answers it: one gait, or several joined to a walk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.gaits.gait import Gait, follow
+from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
+from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.motions.posture import standing
+from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.solution.ipopt import Progress
+from gaitsmith.synthesis.solution.plan import Planner, PlanResult
+
+Array = npt.NDArray[np.float64]
+Kind = Literal["cyclic", "start", "stop", "walk", "kick"]
+KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick")
+REST = 0.03  # m by which the hips are below their height with straight legs at rest
+RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
+KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
+MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
+KICK_FRICTION = 0.45  # leaves the plant's friction of 0.5 and more some room
+_AGREE = 1e-6
+_REPORT = Callable[[str, int, Progress], None]
+
+
+def stride(speed: float | None, length: float | None, period: float | None) -> tuple[float, float]:
+    """Step length (m) and period (s) from any two of speed, step length and period.
+
+    With one, the other follows the line through the paper's two gaits (0.15 m in 1.0 s, 0.20 m in 0.5 s), on which
+    the length is 0.12 m + 0.2 s times the speed; with none, its static gait.
+
+    Raises:
+        BadInput: a value out of range, given or derived, or three that do not agree.
+    """
+    given = {"--speed": speed, "--step-length": length, "--period": period}
+    for flag, value in given.items():
+        low, high = RANGES[flag]
+        if value is not None and not low <= value <= high:
+            raise BadInput(flag, value, f"{low:g} to {high:g}")
+    length, period = _stride(speed, length, period)
+    flags = " and ".join(f"{flag} {value:g}" for flag, value in given.items() if value is not None)
+    for flag, value in {"--speed": length / period, "--step-length": length, "--period": period}.items():
+        low, high = RANGES[flag]
+        if given[flag] is None and not low <= value <= high:
+            raise BadInput(flags, f"{flag} {value:g} from them", f"{low:g} to {high:g} for {flag}")
+    return length, period
+
+
+def _stride(speed: float | None, length: float | None, period: float | None) -> tuple[float, float]:
+    """Length and period from what is given, before they are looked at."""
+    if speed is not None and length is not None and period is not None:
+        if abs(length - speed * period) > _AGREE * max(1.0, length):
+            valid = f"{speed * period:.6g} m, speed times period"
+            raise BadInput("--step-length", length, valid, "give any two of --speed, --step-length, --period")
+        return length, period
+    if length is not None and period is not None:
+        return length, period
+    if speed is not None and period is not None:
+        return speed * period, period
+    if speed is not None and length is not None:
+        return length, length / speed
+    if speed is not None:
+        return 0.12 + 0.2 * speed, (0.12 + 0.2 * speed) / speed
+    if period is not None:
+        if period <= 0.25:
+            raise BadInput("--period", period, "more than 0.25 s when given alone", "give --speed or --step-length too")
+        found = 0.12 / (1.0 - 0.2 / period)
+        return found, period
+    if length is not None:
+        if length <= 0.125:
+            raise BadInput(
+                "--step-length", length, "more than 0.125 m when given alone", "give --speed or --period too"
+            )
+        return length, length / ((length - 0.12) / 0.2)
+    return 0.15, 1.0
+
+
+@dataclass(frozen=True)
+class Request:
+    """A motion by name.
+
+    Attributes:
+        kind: which.
+        step: of the walk that it belongs to.
+        kick: of the kick.
+        cycles: steps of the cyclic gait in a walk.
+        settings: order, bounds, tolerances.
+
+    Raises:
+        BadInput: more cycles than a gait file holds, or fewer than none.
+    """
+
+    kind: Kind
+    step: StepParameters = field(default_factory=lambda: StepParameters(0.15, 1.0))
+    kick: KickParameters = field(default_factory=KickParameters)
+    cycles: int = 10
+    settings: Settings = field(default_factory=Settings)
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.cycles <= MOST_CYCLES:
+            raise BadInput("--cycles", self.cycles, f"0 to {MOST_CYCLES}")
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """The results of all solves that a request took, and its gait.
+
+    Attributes:
+        results: by name of the motion, in the order of solving.
+        gait: None unless all of them solved.
+        main: the result that counts for the request.
+    """
+
+    results: dict[str, PlanResult]
+    gait: Gait | None
+
+    @property
+    def main(self) -> PlanResult:
+        """The last result: the one asked for, or the one that failed."""
+        return list(self.results.values())[-1]
+
+
+def answer(planner: Planner, request: Request, report: _REPORT | None = None) -> Answer:
+    """Plan what a request asks for.
+
+    Args:
+        planner: for the robot.
+        request: what to plan.
+        report: told the motion's name, the round and the progress at every iteration.
+
+    Raises:
+        BadInput: numbers that cannot be used.
+    """
+    biped, settings = planner.biped, request.settings
+    results: dict[str, PlanResult] = {}
+
+    def run(motion: Motion, chosen: Settings) -> PlanResult:
+        tell = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
+        found = planner.plan(motion, chosen, report=tell)
+        results[motion.name] = found
+        return found
+
+    rest = standing(biped, biped.height - max(REST, settings.bounds.squat))
+    if request.kind == "kick":
+        return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
+    cycle = run(cyclic(biped, request.step), settings)
+    if request.kind == "cyclic" or cycle.gait is None:
+        return Answer(results, cycle.gait)
+    q, v, a = cycle.gait.joints(0, np.array([0.0]))
+    state = (q[:, 0], v[:, 0], a[:, 0])
+    begin = run(start(biped, request.step, rest, state), settings) if request.kind in ("start", "walk") else None
+    if begin is not None and (begin.gait is None or request.kind == "start"):
+        return Answer(results, begin.gait)
+    end = run(stop(biped, request.step, rest, state), settings)
+    if request.kind == "stop" or begin is None or end.gait is None or begin.gait is None:
+        return Answer(results, end.gait)
+    return Answer(results, _joined(planner, request, begin, cycle, end))
+
+
+def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanResult, end: PlanResult) -> Gait:
+    """Start, cycles and stop as one gait."""
+    assert begin.gait is not None
+    assert cycle.gait is not None
+    assert end.gait is not None
+    partner, sign = planner.biped.partner, planner.biped.sign
+    gaits = [begin.gait]
+    for step in range(request.cycles):
+        gaits.append(follow(gaits[-1], cycle.gait, step % 2 == 1, partner, sign))
+    gaits.append(follow(gaits[-1], end.gait, request.cycles % 2 == 1, partner, sign))
+    phases = tuple(phase for gait in gaits for phase in gait.motion.phases)
+    pieces = tuple(group for gait in gaits for group in gait.pieces)
+    parameters = cycle.gait.motion.parameters | {"cycles": float(request.cycles)}
+    worst: dict[str, dict[str, Any]] = {}
+    for gait in gaits:
+        first = gait.pieces[0][0].start
+        for item in gait.certificate.get("worst", []):
+            moved = item | {"time": item["time"] + first}
+            if item["constraint"] not in worst or moved["violation"] > worst[item["constraint"]]["violation"]:
+                worst[item["constraint"]] = moved
+    solver = {
+        name: {key: value for key, value in found.gait.solver.items() if key != "unknowns"}
+        for name, found in (("start", begin), ("cyclic", cycle), ("stop", end))
+        if found.gait is not None
+    }
+    ranked = sorted(worst.values(), key=lambda item: -float(item["violation"]))
+    return replace(
+        begin.gait,
+        motion=Motion("walk", phases, (), False, parameters),
+        pieces=pieces,
+        solver=solver,
+        certificate=begin.gait.certificate | {"worst": ranked},
+    )

@@ -1,0 +1,95 @@
+"""Figures of a gait for reports: peak torques, ZMP margin, speed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.proof.verify import TORQUE_JUMP
+from gaitsmith.synthesis.requests.request import Answer
+
+_SAMPLES = 200  # a phase
+
+
+def peak_torques(gait: Gait) -> dict[str, float]:
+    """Largest |torque| of every joint, N·m."""
+    peaks = np.zeros(len(gait.joint_names))
+    borders = gait.motion.borders
+    for phase in range(len(gait.motion.phases)):
+        times = np.linspace(borders[phase], borders[phase + 1], _SAMPLES)
+        peaks = np.maximum(peaks, np.abs(gait.torques(phase, times)).max(axis=1))
+    return dict(zip(gait.joint_names, peaks.tolist(), strict=True))
+
+
+def zmp_margin(gait: Gait, biped: Biped) -> float:
+    """Smallest distance of the ZMP from the support sole's edge in single support, m."""
+    sole, borders, found = biped.leg("left").sole, gait.motion.borders, np.inf
+    for index, phase in enumerate(gait.motion.phases):
+        if phase.double:
+            continue
+        times = np.linspace(borders[index], borders[index + 1], _SAMPLES)
+        first = 0 if phase.support == "left" else 6
+        wrench = gait.wrenches(index, times)[first : first + 6]
+        x, y = -wrench[4] / wrench[2], wrench[3] / wrench[2]
+        margin = np.minimum(np.minimum(x + sole.heel, sole.toe - x), sole.half_width - np.abs(y))
+        found = min(found, float(margin.min()))
+    return found
+
+
+def torque_jump(gait: Gait, biped: Biped) -> float:
+    """Largest jump of a joint torque where sections meet, and at the seam of a cyclic gait, N·m."""
+    pieces = [piece for group in gait.pieces for piece in group]
+    starts = np.array([np.polynomial.chebyshev.chebval(-1.0, piece.torque.T) for piece in pieces])
+    ends = np.array([np.polynomial.chebyshev.chebval(1.0, piece.torque.T) for piece in pieces])
+    jumps = np.abs(ends[:-1] - starts[1:])
+    if gait.motion.cyclic:
+        jumps = np.vstack([jumps, np.abs(ends[-1] - biped.mirrored(starts[0]))])
+    return float(jumps.max(initial=0.0))
+
+
+def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> dict[str, Any]:
+    """What ``gaitsmith plan --json`` prints."""
+    main, results = found.main, found.results.values()
+    times = {name: sum(item.times[name] for item in results) for name in main.times}
+    gait = found.gait
+    worst = [item.as_dict() for item in main.worst]
+    if gait is not None:
+        worst = list(gait.certificate.get("worst", worst))
+    jump = None if gait is None else torque_jump(gait, biped)
+    warnings = []
+    if jump is not None and jump > TORQUE_JUMP:
+        warnings.append(f"torques jump by {jump:.2g} N·m, verify allows {TORQUE_JUMP:g}: plan with --order 5")
+    return {
+        "status": main.status,
+        "reason": main.reason,
+        "motion": kind,
+        "objective": _objective(found, kind),
+        "iterations": sum(item.iterations for item in results),
+        "refinements": sum(item.rounds for item in results),
+        "time_s": times,
+        "variables": sum(item.variables for item in results) if kind == "walk" else main.variables,
+        "constraints": sum(item.constraints for item in results) if kind == "walk" else main.constraints,
+        "fallbacks": sum(item.fallbacks for item in results),
+        "duration": None if gait is None else gait.duration,
+        "max_torque": None if gait is None else peak_torques(gait),
+        "zmp_margin_mm": None if gait is None else 1e3 * zmp_margin(gait, biped),
+        "torque_jump": jump,
+        "warnings": warnings,
+        "worst": worst,
+        "solves": {
+            name: {"status": item.status, "iterations": item.iterations, "objective": item.objective, **item.times}
+            for name, item in found.results.items()
+        },
+        "file": file,
+    }
+
+
+def _objective(found: Answer, kind: str) -> float | None:
+    """J of eq. (16) over the whole motion, every cycle of a walk counted; None where nothing was solved."""
+    if kind == "walk" and found.gait is not None:
+        cycles = found.gait.motion.parameters["cycles"]
+        return sum(item.objective * (cycles if name == "cyclic" else 1.0) for name, item in found.results.items())
+    return found.main.objective if np.isfinite(found.main.objective) else None

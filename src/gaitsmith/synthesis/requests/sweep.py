@@ -1,0 +1,129 @@
+"""The grid of speeds and periods: which cyclic gaits exist for a robot, and why the others do not."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots import load_robot
+from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.settings import Bounds, Settings
+from gaitsmith.synthesis.proof.verify import verify
+from gaitsmith.synthesis.solution.plan import Planner, PlanResult
+
+SPEEDS = tuple(float(v) for v in np.linspace(0.05, 0.5, 8))
+PERIODS = tuple(float(t) for t in np.linspace(0.4, 1.0, 5))
+REACH = 0.30  # m, longest step of the grid
+MARGIN = 0.01  # m
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One gait of the grid.
+
+    Attributes:
+        speed: m/s.
+        period: s.
+        length: of a step, m.
+        reachable: whether the step is at most 0.30 m.
+        status: ``certified``, ``failed``, or ``beyond reach``.
+        reason: why not, in words.
+        objective: J, 0 unless certified.
+        iterations: of all solves.
+        time_s: spent.
+        zmp_margin_mm: found by :func:`verify`, 0 unless certified.
+    """
+
+    speed: float
+    period: float
+    length: float
+    reachable: bool
+    status: str
+    reason: str = ""
+    objective: float = 0.0
+    iterations: int = 0
+    time_s: float = 0.0
+    zmp_margin_mm: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return dict(vars(self))
+
+
+def sweep_row(robot: str, speed: float, periods: tuple[float, ...]) -> list[Cell]:
+    """All periods at one speed, each solved from its neighbour where there is one."""
+    loaded = load_robot(robot)
+    planner = Planner(loaded)
+    settings = Settings(bounds=Bounds(zmp_margin=MARGIN), time_limit=60.0)
+    cells: list[Cell] = []
+    neighbour: PlanResult | None = None
+    for period in periods:
+        length = speed * period
+        if length > REACH + 1e-9:
+            cells.append(Cell(speed, period, length, False, "beyond reach", f"a step of {length:.3f} m"))
+            continue
+        begin = time.perf_counter()
+        motion = cyclic(planner.biped, StepParameters(length, period))
+        found = planner.plan(motion, settings, neighbour=neighbour)
+        if found.gait is None and neighbour is not None:
+            found = planner.plan(motion, settings)
+        spent = time.perf_counter() - begin
+        if found.gait is None:
+            cells.append(
+                Cell(speed, period, length, True, "failed", found.reason, iterations=found.iterations, time_s=spent)
+            )
+            continue
+        neighbour = found
+        verdict = verify(found.gait, loaded)
+        status, reason = ("certified", "") if verdict.ok else ("failed", "; ".join(verdict.problems[:2]))
+        cells.append(
+            Cell(
+                *(speed, period, length, True, status, reason),
+                *(found.objective, found.iterations, spent, verdict.zmp_margin),
+            )
+        )
+    return cells
+
+
+def sweep(robot: str, jobs: int = 1, report: Callable[[int, int], None] | None = None) -> list[Cell]:
+    """The whole grid.
+
+    Args:
+        robot: name or path.
+        jobs: processes.
+        report: told the cells done, and of all.
+
+    Raises:
+        BadInput: the robot cannot be planned for.
+    """
+    from joblib import Parallel, delayed
+
+    if not 1 <= jobs <= 256:
+        raise BadInput("--jobs", jobs, "1 to 256")
+    Planner(load_robot(robot))  # compiles once, before the processes would all do it
+    cells: list[Cell] = []
+    tasks = (delayed(sweep_row)(robot, speed, PERIODS) for speed in SPEEDS)
+    for row in Parallel(n_jobs=jobs, return_as="generator")(tasks):
+        cells += row
+        if report is not None:
+            report(len(cells), len(SPEEDS) * len(PERIODS))
+    return cells
+
+
+def sweep_document(cells: list[Cell]) -> dict[str, Any]:
+    """What ``gaitsmith plan sweep --json`` prints."""
+    reachable = [cell for cell in cells if cell.reachable]
+    certified = [cell for cell in reachable if cell.status == "certified"]
+    return {
+        "motion": "sweep",
+        "status": "solved" if len(certified) >= 0.95 * len(reachable) else "not solved",
+        "reachable": len(reachable),
+        "certified": len(certified),
+        "share": len(certified) / max(len(reachable), 1),
+        "cells": [cell.as_dict() for cell in cells],
+    }

@@ -1,0 +1,212 @@
+"""The curves of a solution, with the dependent joints of double support solved from the closed chain.
+
+The program holds the closure at the knots only. Here the support leg and the other foot's pitch keep their splines,
+and the other leg follows from them at finer knots; quintic Hermite pieces between these keep the error far below
+what the knots alone give. Torques and the support wrench follow from the dynamics.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.gaits.gait import Piece
+from gaitsmith.synthesis.point.functions import PointFunctions
+from gaitsmith.synthesis.program.curves import power_basis
+from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Points, Transcription
+
+Array = npt.NDArray[np.float64]
+LocalPiece = tuple[float, float, Array]  # start, duration, joint coefficients in local order
+PARTS = 4  # pieces a section of double support is cut into
+_NEWTON = 8
+_CLOSED, _FAR = 1e-8, 0.2  # m or rad left of a gap; largest correction of a joint, rad
+_SAMPLES = 20  # Chebyshev nodes a piece
+_HERMITE = np.array(
+    [
+        [1, 0, 0, -10, 15, -6],
+        [0, 1, 0, -6, 8, -3],
+        [0, 0, 0.5, -1.5, 1.5, -0.5],
+        [0, 0, 0, 10, -15, 6],
+        [0, 0, 0, -4, 7, -3],
+        [0, 0, 0, 0.5, -1, 0.5],
+    ],
+    dtype=np.float64,
+)
+_MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+
+
+def hermite(span: float, left: Array, right: Array) -> Array:
+    """(n, 6) power coefficients over [0, 1] from states (3, n) at both ends, derivatives with respect to time."""
+    factors = np.array([1.0, span, span**2])[:, None]
+    return np.concatenate([left * factors, right * factors]).T @ _HERMITE
+
+
+def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
+    """Inputs (inputs, N) of a double-support phase with the other leg's joints solved from the closure."""
+    layout, n = trans.layout, trans.biped.joints
+    item = trans.motion.phases[phase]
+    assert item.other is not None
+    pivots = np.tile(trans.pivots[phase][:, None], (1, z.shape[1]))
+    goal = np.array(
+        [
+            item.other[0] - item.foothold[0] + trans.pivots[phase][0],
+            item.side * (item.other[1] - item.foothold[1]),
+            0.0,
+        ]
+    )
+    leg = trans.biped.leg("left").joint_indices
+    o = functions.evaluate(z, pivots)
+    flat = item.contact == "flat"
+    pitch = np.zeros(z.shape[1]) if flat else o[layout.foot_pitch]
+    rate = np.zeros(z.shape[1]) if flat else o[layout.foot_omega + 1]
+    bend = np.zeros(z.shape[1]) if flat else o[layout.foot_alpha + 1]
+    places = [layout.pivot, layout.pivot + 1, layout.pivot + 2, layout.foot_roll, layout.foot_pitch, layout.foot_yaw]
+    target = np.vstack([np.tile(goal[:, None], (1, z.shape[1])), 0 * pitch, pitch, 0 * pitch])
+    given, z = z, z.copy()
+    speeds = list(range(layout.pivot_velocity, layout.pivot_velocity + 6))
+    pulls = list(range(layout.pivot_acceleration, layout.pivot_acceleration + 6))
+    zero = np.zeros((4, z.shape[1]))
+    wanted_speed = np.vstack([zero, rate, zero[0]])
+    wanted_pull = np.vstack([zero, bend, zero[0]])
+    for _ in range(_NEWTON):
+        o, J = functions.differentiate(z, pivots)
+        gap = target - o[places]
+        step = np.linalg.solve(J[:, places][:, :, leg], gap.T[:, :, None])[:, :, 0]
+        z[leg] += step.T
+        if np.abs(gap).max() < 1e-13:
+            break
+    # Near a straight leg the chain may have no solution: the splines are kept there, and the gap shows in the check.
+    lost = ~(np.abs(gap).max(axis=0) < _CLOSED) | (np.abs(z[leg] - given[leg]).max(axis=0) > _FAR)
+    z[:, lost] = given[:, lost]
+    usable = ~lost
+    for wanted, rows, first in ((wanted_speed, speeds, n), (wanted_pull, pulls, 2 * n)):
+        o, J = functions.differentiate(z, pivots)
+        columns = [first + int(k) for k in leg]
+        if not usable.any():
+            break
+        step = np.linalg.solve(J[usable][:, rows][:, :, columns], (wanted - o[rows]).T[usable][:, :, None])[:, :, 0]
+        z[np.array(columns)[:, None], np.flatnonzero(usable)] += step.T
+    return z
+
+
+def _knots(trans: Transcription, phase: int) -> Array:
+    """Borders of a phase's pieces, s."""
+    first = trans.first_section[phase]
+    sections = trans.motion.phases[phase].sections
+    knots = trans.spline.knots[first : first + sections + 1]
+    if not trans.motion.phases[phase].double or trans.settings.order < 5:
+        return np.array(knots)
+    fine = [a + (b - a) * k / PARTS for a, b in pairwise(knots) for k in range(PARTS)]
+    return np.array([*fine, knots[-1]])
+
+
+def _states(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
+    """Local inputs (inputs, N) of a phase at times."""
+    first = trans.first_section[phase]
+    last = first + trans.motion.phases[phase].sections - 1
+    section = np.array([min(max(trans.spline.section_at(t), first), last) for t in times])
+    points = Points(np.full(len(times), phase), section, times, np.zeros(len(times)))
+    return np.array((trans.input_map(points) @ x).reshape(len(times), trans.layout.inputs).T)
+
+
+def phase_pieces(
+    trans: Transcription, functions: PointFunctions, x: Array, phase: int
+) -> list[tuple[float, float, Array]]:
+    """Start, duration and local joint coefficients (n, degree + 1) of a phase's pieces."""
+    n = trans.biped.joints
+    knots = _knots(trans, phase)
+    z = _states(trans, x, phase, knots)
+    item = trans.motion.phases[phase]
+    if item.double and trans.settings.order >= 5 and len(knots) > 2:
+        z[:, 1:-1] = _solve_closure(trans, functions, phase, z[:, 1:-1])
+    if trans.settings.order >= 5:
+        states = z[: 3 * n].reshape(3, n, len(knots))
+        return [
+            (float(a), float(b - a), hermite(float(b - a), states[:, :, k], states[:, :, k + 1]))
+            for k, (a, b) in enumerate(pairwise(knots))
+        ]
+    basis, found = power_basis(trans.settings.order), []
+    for k, (a, b) in enumerate(pairwise(knots)):
+        section = trans.first_section[phase] + k
+        control = np.array([x[trans.joint_columns(j, section)] for j in range(n)])
+        joints = control @ (basis @ trans.spline.sections[section]).T
+        found.append((float(a), float(b - a), trans.biped.mirrored(joints.T).T if item.side < 0 else joints))
+    return found
+
+
+def _wrench_at(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
+    """U (6, N) of a phase, N and N·m, about the pivot, local axes."""
+    item = trans.motion.phases[phase]
+    if not item.double:
+        return np.zeros((6, len(times)))
+    s = np.clip((times - trans.motion.borders[phase]) / item.duration, 0.0, 1.0)
+    powers = np.arange(WRENCH_DEGREE + 1)
+    coefficients = trans.biped.weight * x[trans.wrench_columns(phase)] @ power_basis(WRENCH_DEGREE).T
+    return np.asarray(coefficients @ s[None, :] ** powers[:, None])
+
+
+def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[LocalPiece], times: Array) -> Array:
+    """Inputs (inputs, N) of a phase from its pieces."""
+    n = trans.biped.joints
+    z = np.zeros((trans.layout.inputs, len(times)))
+    starts = np.array([start for start, _, _ in pieces])
+    index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
+    for k, (start, span, joints) in enumerate(pieces):
+        mask = np.flatnonzero(index == k)
+        if len(mask) == 0:
+            continue
+        s = np.clip((times[mask] - start) / span, 0.0, 1.0)
+        powers = np.arange(joints.shape[1])
+        basis = s[None, :] ** powers[:, None]
+        first = joints[:, 1:] * powers[1:]
+        z[:n, mask] = joints @ basis
+        z[n : 2 * n, mask] = first @ basis[:-1] / span
+        z[2 * n : 3 * n, mask] = (first[:, 1:] * powers[1:-1]) @ basis[:-2] / span**2
+    z[3 * n :] = _wrench_at(trans, x, phase, times)
+    return z
+
+
+def finished_pieces(
+    trans: Transcription, functions: PointFunctions, x: Array, phase: int, pieces: list[LocalPiece]
+) -> tuple[Piece, ...]:
+    """A phase's pieces in the robot's own order and world axes, with torques and both wrenches."""
+    layout, n = trans.layout, trans.biped.joints
+    item = trans.motion.phases[phase]
+    nodes = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    to_series = np.polynomial.chebyshev.chebvander(nodes, _SAMPLES - 1).T * (2.0 / _SAMPLES)
+    to_series[0] /= 2.0
+    times = np.concatenate([start + span * (nodes + 1.0) / 2.0 for start, span, _ in pieces])
+    halves = zip(pieces, np.split(times, len(pieces)), strict=True)
+    z = np.hstack([local_inputs(trans, x, phase, [piece], part) for piece, part in halves])
+    o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])))
+    torque, support = o[layout.torque : layout.torque + n], o[layout.force : layout.force + 6]
+    u = z[layout.wrench :].copy()
+    pivot = trans.pivots[phase][0]
+    # From the pivot to the sole frame's origin: r = pivot minus origin, in local axes.
+    r = pivot * np.vstack([o[layout.foot_forward], o[layout.foot_yaw], -o[layout.foot_pitch]])
+    u[3:] += np.cross(r.T, u[:3].T).T
+    joints = [coefficients for _, _, coefficients in pieces]
+    if item.side < 0:
+        torque = trans.biped.mirrored(torque.T).T
+        support, u = support * _MIRROR[:, None], u * _MIRROR[:, None]
+        joints = [trans.biped.mirrored(c.T).T for c in joints]
+    wrench = np.vstack([u, support] if item.support == "right" else [support, u])
+    found = []
+    for k, (start, span, _) in enumerate(pieces):
+        part = slice(k * _SAMPLES, (k + 1) * _SAMPLES)
+        found.append(
+            Piece(
+                start, span, joints[k], _trimmed(torque[:, part] @ to_series.T), _trimmed(wrench[:, part] @ to_series.T)
+            )
+        )
+    return tuple(found)
+
+
+def _trimmed(series: Array) -> Array:
+    """Series without trailing coefficients that are all negligible."""
+    size = np.abs(series).max(axis=0)
+    floor = 1e-9 * max(float(size.max()), 1.0)
+    keep = np.flatnonzero(size > floor)
+    return series[:, : (int(keep[-1]) + 1 if len(keep) else 1)].copy()

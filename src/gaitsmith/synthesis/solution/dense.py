@@ -1,0 +1,173 @@
+"""Bounds on a dense grid: where a solution violates them, and which instants to add to the program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.motions.layout import Layout
+from gaitsmith.synthesis.point.functions import PointFunctions
+from gaitsmith.synthesis.program.bounds import Bound
+from gaitsmith.synthesis.program.program import Pick
+from gaitsmith.synthesis.program.transcription import Points, Transcription
+from gaitsmith.synthesis.solution.closure import LocalPiece, local_inputs, phase_pieces
+
+Array = npt.NDArray[np.float64]
+_TIGHTEST = 0.05
+_SPARE = 4e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
+_CLOSE = 0.02  # of a bound's range: what a neighbour may well meet
+_ENDS = 0.03  # share of a phase that counts as its end
+_PEAKS = 4
+_RESTING = 0.1  # share of a phase next to a lift-off or touchdown
+_SAME = 0.02  # share of a phase within which two instants count as one
+
+
+class BoundTable:
+    """A phase's bounds as matrices: value = out @ o + inp @ z + offset."""
+
+    def __init__(self, layout: Layout, bounds: list[Bound]) -> None:
+        count = len(bounds)
+        self.bounds = bounds
+        self.out, self.inp = np.zeros((count, layout.outputs)), np.zeros((count, layout.inputs))
+        for row, bound in enumerate(bounds):
+            for index, value in bound.out.items():
+                self.out[row, index] = value
+            for index, value in bound.inp.items():
+                self.inp[row, index] = value
+        self.low = np.array([bound.low for bound in bounds])[:, None]
+        self.high = np.array([bound.high for bound in bounds])[:, None]
+        self.span = np.array([bound.span for bound in bounds])[:, None]
+
+    def values(self, o: Array, z: Array, s: Array) -> Array:
+        """(bounds, N) values in the bounds' units; s (N,) is the normalised time in the phase."""
+        return np.asarray(
+            self.out @ o + self.inp @ z + np.array([np.broadcast_to(bound.offset(s), s.shape) for bound in self.bounds])
+        )
+
+    def violations(self, values: Array) -> Array:
+        """(bounds, N) share of the span by which a bound is violated; negative inside."""
+        return np.asarray(np.maximum(self.low - values, values - self.high) / self.span)
+
+
+@dataclass(frozen=True, eq=False)
+class DenseCheck:
+    """Violations of one phase on its dense grid.
+
+    Attributes:
+        times: (N,) s.
+        violations: (bounds, N) share of the span.
+        values: (bounds, N).
+        pieces: the phase's curves as they will be stored.
+    """
+
+    times: Array
+    violations: Array
+    values: Array
+    pieces: list[LocalPiece]
+
+
+def check(trans: Transcription, functions: PointFunctions, x: Array, count: int) -> list[DenseCheck]:
+    """All bounds of all phases at ``count`` instants each, on the curves as they will be stored."""
+    borders, found = trans.motion.borders, []
+    for phase in range(len(trans.motion.phases)):
+        pieces = phase_pieces(trans, functions, x, phase)
+        times = np.linspace(borders[phase], borders[phase + 1], count)
+        z = local_inputs(trans, x, phase, pieces, times)
+        o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)))
+        table = BoundTable(trans.layout, trans.bounds[phase])
+        values = table.values(o, z, trans.share(phase, times))
+        found.append(DenseCheck(times, table.violations(values), values, pieces))
+    return found
+
+
+def worst_violation(checks: list[DenseCheck]) -> float:
+    """Largest violation of any bound, as a share of its span."""
+    return float(max(item.violations.max() for item in checks))
+
+
+def new_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick], tolerance: float) -> list[Pick]:
+    """The picks with an instant added, or tightened, at every local worst violation above ``tolerance``."""
+    found = list(picks)
+    for phase, bound, k in _peaks(trans, checks, tolerance, 0.0):
+        violation, time = float(checks[phase].violations[bound, k]), float(checks[phase].times[k])
+        near = _near(trans, found, phase, bound, time)
+        if near is None:
+            found.append(Pick(phase, bound, time, _spare(trans, phase, bound, time)))
+        else:
+            old = found[near]
+            found[near] = Pick(phase, bound, old.time, min(old.tighten + 1.2 * violation, _TIGHTEST))
+    return found
+
+
+def _spare(trans: Transcription, phase: int, bound: int, time: float) -> float:
+    """How far an added instant is tightened: not at all where a foot still rests, or has no load yet."""
+    item = trans.bounds[phase][bound]
+    other = min(item.inp, default=0) >= trans.layout.wrench or max(item.out, default=0) >= trans.layout.twist
+    share = float(trans.share(phase, np.array(time)))
+    return 0.0 if (item.interior or other) and min(share, 1.0 - share) < _RESTING else _SPARE
+
+
+def close_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick]) -> list[Pick]:
+    """The picks with every instant added at which a bound is nearly met, for neighbours in which it may be."""
+    found = list(picks)
+    for phase, bound, k in _peaks(trans, checks, -_CLOSE, _ENDS):
+        time = float(checks[phase].times[k])
+        if _near(trans, found, phase, bound, time) is None:
+            found.append(Pick(phase, bound, time))
+    return found
+
+
+def _peaks(
+    trans: Transcription, checks: list[DenseCheck], tolerance: float, ends: float
+) -> Iterator[tuple[int, int, int]]:
+    """Phase, bound and instant of local worst violations, at most four of a bound and phase, the worst first.
+
+    ``ends``: share of a phase that is left out at both ends, where a foot at rest and no load sit on their bounds.
+    """
+    for phase, item in enumerate(checks):
+        last = len(item.times) - 1
+        for bound in np.flatnonzero(item.violations.max(axis=1) > tolerance).tolist():
+            v = item.violations[bound].copy()
+            if ends or trans.bounds[phase][bound].interior:
+                v[: int(ends * last) + 1], v[last - int(ends * last) :] = -np.inf, -np.inf
+            before, after = np.append(-np.inf, v[:-1]), np.append(v[1:], -np.inf)
+            peaks = np.flatnonzero((v > tolerance) & (v >= before) & (v > after))
+            for k in sorted(peaks.tolist(), key=lambda k: -v[k])[:_PEAKS]:
+                yield phase, bound, k
+
+
+def _near(trans: Transcription, picks: list[Pick], phase: int, bound: int, time: float) -> int | None:
+    """Index of the pick of the same bound that is as good as at the same time."""
+    within = _SAME * trans.motion.phases[phase].duration
+    near = [
+        (abs(pick.time - time), index)
+        for index, pick in enumerate(picks)
+        if pick.bound == bound and pick.phase == phase and abs(pick.time - time) < within
+    ]
+    return min(near)[1] if near else None
+
+
+def with_times(trans: Transcription, points: Points, picks: list[Pick]) -> Points:
+    """Points with those instants of the picks added that they lack."""
+    have = {(int(p), round(float(t), 9)) for p, t in zip(points.phase, points.time, strict=True)}
+    phase, section, time = [], [], []
+    for pick in picks:
+        key = (pick.phase, round(pick.time, 9))
+        if key not in have:
+            have.add(key)
+            first = trans.first_section[pick.phase]
+            last = first + trans.motion.phases[pick.phase].sections - 1
+            phase.append(pick.phase)
+            section.append(min(max(trans.spline.section_at(pick.time), first), last))
+            time.append(pick.time)
+    if not phase:
+        return points
+    return Points(
+        np.concatenate([points.phase, phase]).astype(np.int64),
+        np.concatenate([points.section, section]).astype(np.int64),
+        np.concatenate([points.time, time]),
+        np.concatenate([points.weight, np.zeros(len(time))]),
+    )

@@ -1,0 +1,78 @@
+"""Why a motion could not be planned, in words."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from gaitsmith.synthesis.program.program import Program
+from gaitsmith.synthesis.program.rows import Label
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.ipopt import Solution
+from gaitsmith.synthesis.solution.relaxation import Excess
+
+_TOLD = 2  # bounds that a reason names
+
+
+def place(trans: Transcription, phase: int, time: float) -> str:
+    """Where in the motion an instant lies: "62 % of single support"."""
+    phases, borders = trans.motion.phases, trans.motion.borders
+    first = last = phase
+    while first > 0 and phases[first - 1].double == phases[phase].double:
+        first -= 1
+    while last + 1 < len(phases) and phases[last + 1].double == phases[phase].double:
+        last += 1
+    share = 100.0 * (time - borders[first]) / (borders[last + 1] - borders[first])
+    stretch = "double support" if phases[phase].double else "single support"
+    return f"{share:.0f} % of {stretch}"
+
+
+def lacking(trans: Transcription, excesses: list[Excess]) -> str:
+    """What a request would take that the robot does not have: "right_knee torque 178 of 40 N·m at 97 % of ..."."""
+    said = [f"{_pair(e.label, e.value, e.limit)} at {place(trans, e.label.phase, e.label.time)}" for e in excesses]
+    return f"no solution: it would take {', and '.join(said[:_TOLD])}"
+
+
+def explain(trans: Transcription, program: Program, found: Solution, late: bool) -> str:
+    """The row that could not be met, its value and limit, and where."""
+    z, o = program.evaluate(found.x)
+    if not (np.isfinite(z).all() and np.isfinite(o).all()):
+        return "the solver left the range of finite numbers; the request is far from anything this robot can do"
+    values = program.constraint(found.x, o)
+    gaps = program.violation(values)
+    ending = "no solution within the time limit" if late else "no solution"
+    if gaps.max(initial=0.0) < 1e-6:
+        return f"{ending}: every constraint holds, but the torques are not at their least yet"
+    unequal = program.high - program.low > 0.0
+    # A bound says more than the closure that it makes impossible.
+    bound_gaps = np.where(unequal, gaps, 0.0)
+    row = int(np.argmax(bound_gaps)) if bound_gaps.max(initial=0.0) > 1e-4 else int(np.argmax(gaps))
+    label: Label = program.labels[row]
+    limit = float(program.low[row] if values[row] < program.low[row] else program.high[row])
+    pair = _pair(label, label.shown(float(values[row])), label.shown(limit))
+    return f"{ending}: {pair} at {place(trans, label.phase, label.time)}"
+
+
+def _pair(label: Label, value: float, limit: float) -> str:
+    """A value beside its limit; what is measured from its limit is told as such."""
+    if limit == 0.0:
+        return f"{label.name} {abs(value):.3g} {label.unit} beyond its limit"
+    return f"{label.name} {value:.3g} of {limit:.3g} {label.unit}"
+
+
+def out_of_reach(trans: Transcription) -> str:
+    """Why no posture at all reaches both footholds of a phase, in words; empty where one might.
+
+    A necessary condition, cheap to look at before solving: with the legs stretched out level the soles are at most two
+    legs and the hips' share of the torso's yaw apart.
+    """
+    biped, data = trans.biped, mujoco.MjData(trans.biped.model)
+    mujoco.mj_kinematics(biped.model, data)
+    chain = data.xanchor[biped.robot.legs[0].joint_indices + 1]
+    leg = float(np.linalg.norm(np.diff(chain, axis=0), axis=1).sum())
+    reach = 2.0 * leg + biped.width * float(np.sin(trans.settings.bounds.torso_yaw))
+    for phase in trans.motion.phases:
+        apart = 0.0 if phase.other is None else abs(phase.other[0] - phase.foothold[0])
+        if phase.contact == "flat" and apart > reach:
+            return f"no solution: feet {apart:.3g} m apart in {phase.name}, the legs reach {reach:.3g} m at most"
+    return ""

@@ -1,0 +1,138 @@
+"""The program with bounds that give way at a price: what a request asks for beyond what the robot can do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from gaitsmith.synthesis.program.program import Program
+from gaitsmith.synthesis.program.rows import Label
+from gaitsmith.synthesis.solution.ipopt import solve_ipopt
+
+Array = npt.NDArray[np.float64]
+_PRICES = (("torque", 1.0), ("velocity", 1.0), ("angle", 3.0), ("ZMP", 3.0), ("normal force", 3.0))
+_DEAR = 10.0  # of what is asked for, rather than what the robot can do
+_COST = 1e-4  # share of the objective that is kept, so that the least motion is chosen
+_TOLERANCE = 1e-4
+_ITERATIONS = 200
+_NOTHING = 1e-4  # of a range
+
+
+@dataclass(frozen=True)
+class Excess:
+    """A bound that has to give way, where it does so most.
+
+    Attributes:
+        label: of the row: name, unit, phase, time.
+        value: in the label's unit.
+        limit: that it is compared with, in the same unit.
+        share: by which it is exceeded, of its range.
+    """
+
+    label: Label
+    value: float
+    limit: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """The least that has to give way.
+
+    Attributes:
+        solved: whether all equalities hold, with or without bounds giving way.
+        x: unknowns.
+        excesses: the bounds that give way, the worst first; none if the request can be met.
+    """
+
+    solved: bool
+    x: Array
+    excesses: list[Excess]
+
+
+def relaxed(program: Program, start: Array, time_limit: float) -> Relaxed:
+    """Solve a program whose bounds may be exceeded; equalities hold.
+
+    All rows of one name share one unknown, the share of the range by which they may be exceeded.
+
+    Args:
+        program: the program, with all the bounds that matter.
+        start: unknowns to start from.
+        time_limit: s.
+    """
+    soft = _softened(program)
+    _, o = program.evaluate(start)
+    gaps = program.violation(program.constraint(start, o))
+    begin = np.concatenate([start, np.zeros(soft.size - program.size)])
+    for row, column in enumerate(_columns(program)):
+        if column >= 0:
+            begin[program.size + column] = max(begin[program.size + column], 1.01 * gaps[row])
+    found = solve_ipopt(soft, begin, _TOLERANCE, _ITERATIONS, time_limit)
+    x = found.x[: program.size]
+    _, o = program.evaluate(x)
+    values = program.constraint(x, o)
+    if not np.isfinite(values).all():
+        return Relaxed(False, start, [])
+    gaps = program.violation(values)
+    worst: dict[str, int] = {}
+    for row, label in enumerate(program.labels):
+        if program.high[row] > program.low[row] and gaps[row] > max(_NOTHING, gaps[worst.get(label.name, row)] * 0.999):
+            worst[label.name] = row
+    excesses = []
+    for row in sorted(worst.values(), key=lambda row: -gaps[row]):
+        label = program.labels[row]
+        limit = program.low[row] if values[row] < program.low[row] else program.high[row]
+        excesses.append(Excess(label, label.shown(float(values[row])), label.shown(float(limit)), float(gaps[row])))
+    return Relaxed(found.solved, x, excesses)
+
+
+def _columns(program: Program) -> list[int]:
+    """Per row the number of the unknown by which it may be exceeded; -1 for an equality."""
+    names: dict[str, int] = {}
+    return [
+        names.setdefault(label.name, len(names)) if high > low else -1
+        for label, low, high in zip(program.labels, program.low, program.high, strict=True)
+    ]
+
+
+def _prices(program: Program, columns: npt.NDArray[np.int64], extra: int) -> Array:
+    """What giving way by a whole range costs: what the robot lacks shall be named, not what was asked of it."""
+    found = np.full(extra, _DEAR)
+    for label, column in zip(program.labels, columns.tolist(), strict=True):
+        for word, price in _PRICES:
+            if column >= 0 and word in label.name:
+                found[column] = price
+    return found
+
+
+def _softened(program: Program) -> Program:
+    """The program with one more unknown for every name of a bound: two-sided rows are split, prices are added."""
+    columns = np.array(_columns(program))
+    extra = int(columns.max(initial=-1)) + 1
+    equal = np.flatnonzero(columns < 0)
+    above = np.flatnonzero((columns >= 0) & np.isfinite(program.high))
+    below = np.flatnonzero((columns >= 0) & np.isfinite(program.low))
+    source = np.concatenate([equal, above, below])
+    count = len(source)
+    give = np.concatenate([np.zeros(len(equal)), -np.ones(len(above)), np.ones(len(below))])
+    bounded = np.flatnonzero(give)
+    slack = sp.csr_matrix((give[bounded], (bounded, columns[source[bounded]])), shape=(count, extra))
+    positive = sp.hstack([sp.csr_matrix((extra, program.size)), sp.eye_array(extra)])
+    infinite = np.full(extra, np.inf)
+    low = np.concatenate([program.low[equal], np.full(len(above), -np.inf), program.low[below], np.zeros(extra)])
+    high = np.concatenate([program.high[equal], program.high[above], np.full(len(below), np.inf), infinite])
+    labels = [program.labels[row] for row in source] + [Label("excess", "", 0, 0.0, 1.0)] * extra
+    return replace(
+        program,
+        points=replace(program.points, weight=program.points.weight * _COST),
+        inputs=sp.csr_matrix(sp.hstack([program.inputs, sp.csr_matrix((program.inputs.shape[0], extra))])),
+        outputs=sp.csr_matrix(sp.vstack([program.outputs[source], sp.csr_matrix((extra, program.outputs.shape[1]))])),
+        linear=sp.csr_matrix(sp.vstack([sp.hstack([program.linear[source], slack]), positive])),
+        low=low,
+        high=high,
+        labels=labels,
+        price=np.concatenate([np.zeros(program.size), _prices(program, columns, extra)]),
+    )
