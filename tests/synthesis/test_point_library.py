@@ -10,8 +10,8 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
+import gaitsmith
 from gaitsmith.synthesis.point import expressions as point_expressions
-from gaitsmith.synthesis.point import library as point_library
 from gaitsmith.synthesis.point.functions import point_functions
 from gaitsmith.synthesis.point.library import find_compiler
 
@@ -86,7 +86,7 @@ def test_an_interrupt_ends_the_compiler_and_its_children(tmp_path):
     compiler.write_text(f"#!/bin/sh\nsleep 60 &\necho $! > {mark}.part\nmv {mark}.part {mark}\nwait\n")
     compiler.chmod(0o755)
     code = f"import os\nfrom gaitsmith.synthesis.point.library import _run\n_run([{str(compiler)!r}], dict(os.environ))"
-    source = str(Path(point_library.__file__).parents[2])
+    source = str(Path(gaitsmith.__file__).parents[1])
     # A job in the background of a shell ignores Ctrl-C; the tests may be one.
     usual = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
     process = subprocess.Popen(

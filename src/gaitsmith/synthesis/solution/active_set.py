@@ -19,9 +19,11 @@ import scipy.sparse.linalg as sl
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
 _SOFT = 1e-10  # of a row per unit of its multiplier: rows that depend on others do not make the matrix singular
 _BEYOND = 1e-8  # of a row's range; what counts as beyond a bound
 _RIDGE = 1e-8  # relative; bounds in doubt that depend on each other
+_TRIFLE = 1e-9  # share of the largest multiplier
 _ROUNDS = 12
 _DOUBTS = 300
 
@@ -112,24 +114,49 @@ def active_set_step(
             wrong = np.flatnonzero(side * lam < 0.0)
             change = jacobian @ found[:n]
             free = ~equal & (side == 0)
-            free[doubt] = False
-            new = np.flatnonzero(free & ((change > high + _BEYOND) | (change < low - _BEYOND)))
+            above, below = free & (change > high + _BEYOND), free & (change < low - _BEYOND)
+            above[doubt[turn > 0]], below[doubt[turn < 0]] = False, False
+            new = np.flatnonzero(above | below)
             if len(wrong) or not len(new):
                 break
-            sign = np.where(change[new] > high[new], 1.0, -1.0)
+            sign = np.where(above[new], 1.0, -1.0)
             pushes = np.hstack([pushes, conditions.pushed(sp.diags(sign) @ jacobian[new])])
             doubt, turn = np.concatenate([doubt, new]), np.concatenate([turn, sign])
         if not len(wrong):
-            lam[doubt] = turn * weights
-            if not np.isfinite(found).all():
-                return None
-            if not (weights > 0.0).any():
-                return ActiveStep(found[:n], lam, held, conditions)
-            met = np.sort(np.concatenate([held, doubt[weights > 0.0]]))
-            return ActiveStep(found[:n], lam, met, Held(H, jacobian[met]))
+            met = weights > _TRIFLE * weights.max(initial=0.0)
+            lam[doubt[met]] = (turn * weights)[met]
+            if not met.any():
+                return ActiveStep(found[:n], lam, held, conditions) if np.isfinite(found).all() else None
+            side[doubt[met]] = turn[met]
+            return _exact(H, gradient, jacobian, np.where(side < 0, low, high), equal | (side != 0), ~equal, lam)
         doubt, turn = np.concatenate([doubt, wrong]), np.concatenate([turn, side[wrong].astype(np.float64)])
         side[wrong] = 0
     return None
+
+
+def _exact(
+    H: sp.spmatrix,
+    gradient: Array,
+    jacobian: sp.csr_matrix,
+    goal: Array,
+    met: Mask,
+    sided: Mask,
+    multipliers: Array,
+) -> ActiveStep | None:
+    """The step with these rows met exactly: the small program gives way a little.
+
+    Multipliers whose sign would change are kept: among rows that depend on each other only their sum is determined.
+    """
+    held = np.flatnonzero(met)
+    try:
+        conditions = Held(H, jacobian[held])
+    except RuntimeError:
+        return None
+    found = conditions.solve(np.concatenate([-gradient, goal[held]]))
+    step, exact = found[: len(gradient)], found[len(gradient) :]
+    lam = multipliers.copy()
+    lam[held] = np.where(sided[held] & (exact * lam[held] <= 0.0), lam[held], exact)
+    return ActiveStep(step, lam, held, conditions) if np.isfinite(found).all() else None
 
 
 def _small(rows: sp.csr_matrix, pushes: Array, base: Array, turn: Array, low: Array, high: Array) -> Array | None:
