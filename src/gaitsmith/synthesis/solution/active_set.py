@@ -19,10 +19,9 @@ import scipy.sparse.linalg as sl
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
-Mask = npt.NDArray[np.bool_]
 _SOFT = 1e-10  # of a row per unit of its multiplier: rows that depend on others do not make the matrix singular
 _BEYOND = 1e-8  # of a row's range; what counts as beyond a bound
-_RIDGE = 1e-8  # relative; bounds in doubt that depend on each other
+_RIDGE = 1e-9  # relative; bounds in doubt that depend on each other
 _TRIFLE = 1e-9  # share of the largest multiplier
 _ROUNDS = 12
 _DOUBTS = 300
@@ -35,14 +34,19 @@ class ActiveStep:
     Attributes:
         step: (n,) change of the unknowns.
         multipliers: (rows,) of equalities and bounds; positive at an upper bound.
-        held: (k,) rows that hold with equality.
-        conditions: factorised with those rows.
+        held: (k,) rows that hold with equality; those in doubt to about 1e-6.
+        H, jacobian: of the program.
     """
 
     step: Array
     multipliers: Array
     held: Indices
-    conditions: Held
+    H: sp.spmatrix
+    jacobian: sp.csr_matrix
+
+    def conditions(self) -> Held:
+        """The optimality conditions with the held rows, factorised."""
+        return Held(self.H, self.jacobian[self.held])
 
 
 class Held:
@@ -125,38 +129,12 @@ def active_set_step(
         if not len(wrong):
             met = weights > _TRIFLE * weights.max(initial=0.0)
             lam[doubt[met]] = (turn * weights)[met]
-            if not met.any():
-                return ActiveStep(found[:n], lam, held, conditions) if np.isfinite(found).all() else None
             side[doubt[met]] = turn[met]
-            return _exact(H, gradient, jacobian, np.where(side < 0, low, high), equal | (side != 0), ~equal, lam)
+            held = np.flatnonzero(equal | (side != 0))
+            return ActiveStep(found[:n], lam, held, H, jacobian) if np.isfinite(found).all() else None
         doubt, turn = np.concatenate([doubt, wrong]), np.concatenate([turn, side[wrong].astype(np.float64)])
         side[wrong] = 0
     return None
-
-
-def _exact(
-    H: sp.spmatrix,
-    gradient: Array,
-    jacobian: sp.csr_matrix,
-    goal: Array,
-    met: Mask,
-    sided: Mask,
-    multipliers: Array,
-) -> ActiveStep | None:
-    """The step with these rows met exactly: the small program gives way a little.
-
-    Multipliers whose sign would change are kept: among rows that depend on each other only their sum is determined.
-    """
-    held = np.flatnonzero(met)
-    try:
-        conditions = Held(H, jacobian[held])
-    except RuntimeError:
-        return None
-    found = conditions.solve(np.concatenate([-gradient, goal[held]]))
-    step, exact = found[: len(gradient)], found[len(gradient) :]
-    lam = multipliers.copy()
-    lam[held] = np.where(sided[held] & (exact * lam[held] <= 0.0), lam[held], exact)
-    return ActiveStep(step, lam, held, conditions) if np.isfinite(found).all() else None
 
 
 def _small(rows: sp.csr_matrix, pushes: Array, base: Array, turn: Array, low: Array, high: Array) -> Array | None:

@@ -21,7 +21,7 @@ from gaitsmith.synthesis.solution.ipopt import Progress, Solution, progress_of
 Array = npt.NDArray[np.float64]
 _NEAR = 0.1  # inequality rows this close to a bound take part in the quadratic program (shares of their range)
 _RANK = 1e-9  # relative; equality rows that depend on others
-_GAIN = 1e-5  # relative decrease of the objective that is not worth another step
+_GAIN = 1e-4  # relative decrease of the objective that is not worth another step
 _ROWS = 1e-3  # violation from which the last rows are settled without the objective
 _SETTLED = 1e-7
 _SETTLING = 12  # steps of that
@@ -135,7 +135,7 @@ def _whole(upper: sp.csc_matrix) -> sp.csr_matrix:
 
 def _settled(program: Program, first_order: Caller, x: Array, found: ActiveStep) -> tuple[Array, float]:
     """Small changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
-    held, left = found.held, np.inf
+    held, left, conditions = found.held, np.inf, found.conditions()
     side = np.sign(found.multipliers[held])
     goal = np.where(side < 0, program.low[held], program.high[held])
     for _ in range(_SETTLING):
@@ -144,9 +144,7 @@ def _settled(program: Program, first_order: Caller, x: Array, found: ActiveStep)
         left = float(np.abs(gap).max(initial=0.0))
         if left < 0.01 * _SETTLED:
             break
-        x = x + found.conditions.towards(
-            gap
-        )  # the rows are nearly straight on this scale: one factorisation serves all steps
+        x = x + conditions.towards(gap)  # the rows are nearly straight here: one factorisation serves all steps
     return x, left
 
 
