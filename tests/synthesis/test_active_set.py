@@ -1,0 +1,72 @@
+"""The quadratic program of an SQP step: DAQP's solution, from good and from bad guesses."""
+
+import daqp
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from gaitsmith.synthesis.solution.active_set import active_set_step
+
+SAME = 1e-5  # relative to the step: rows in doubt are softened a little so that dependent ones do no harm
+N, EQUAL, BOUNDS = 30, 8, 40
+
+
+def _problem(seed):
+    """A convex program whose rows are banded, with a point well inside all bounds."""
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(N, N)) * (np.abs(np.subtract.outer(np.arange(N), np.arange(N))) < 5)
+    H = root @ root.T + 0.1 * np.eye(N)
+    rows = np.zeros((EQUAL + BOUNDS, N))
+    for row in rows:
+        first = rng.integers(0, N - 5)
+        row[first : first + 5] = rng.normal(size=5)
+    inside = rows @ rng.normal(size=N)
+    low, high = inside - rng.uniform(0.05, 1.0, len(rows)), inside + rng.uniform(0.05, 1.0, len(rows))
+    low[:EQUAL] = high[:EQUAL] = inside[:EQUAL]
+    return H, rng.normal(size=N) * 5.0, rows, low, high
+
+
+def _oracle(H, gradient, rows, low, high):
+    sense = np.where(high - low <= 0.0, 5, 0).astype(np.int32)
+    step, _, flag, info = daqp.solve(H, gradient, rows, high, low, sense)
+    assert flag == 1
+    return step, info["lam"]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_step_is_daqps(seed):
+    H, gradient, rows, low, high = _problem(seed)
+    step, multipliers = _oracle(H, gradient, rows, low, high)
+    rng = np.random.default_rng(seed + 100)
+    for guess in (multipliers, multipliers * (rng.random(len(low)) < 0.8), np.zeros(len(low))):
+        found = active_set_step(sp.csr_matrix(H), gradient, sp.csr_matrix(rows), low, high, guess)
+        assert found is not None
+        assert np.abs(found.step - step).max() < SAME * max(1.0, np.abs(step).max())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_optimality_holds(seed):
+    H, gradient, rows, low, high = _problem(seed)
+    found = active_set_step(sp.csr_matrix(H), gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low)))
+    change = rows @ found.step
+    assert (change <= high + SAME).all()
+    assert (change >= low - SAME).all()
+    assert np.abs(H @ found.step + gradient + rows.T @ found.multipliers).max() < 1e-6 * np.abs(gradient).max()
+    bounded = high > low
+    slack = np.minimum(high - change, change - low)
+    assert (np.abs(found.multipliers[bounded]) * slack[bounded]).max() < 1e-5
+    assert set(np.flatnonzero(found.multipliers)) <= set(found.held)
+
+
+def test_a_curvature_that_goes_down_is_left_to_others():
+    H, gradient, rows, low, high = _problem(0)
+    # Along what the equalities leave free the objective falls for ever: no minimum among the held rows alone.
+    assert active_set_step(sp.csr_matrix(-H), gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low))) is None
+
+
+def test_equal_rows_given_twice_do_no_harm():
+    H, gradient, rows, low, high = _problem(1)
+    step, _ = _oracle(H, gradient, rows, low, high)
+    twice = [np.concatenate([values[:3], values]) for values in (rows, low, high)]
+    found = active_set_step(sp.csr_matrix(H), gradient, sp.csr_matrix(twice[0]), *twice[1:], np.zeros(len(low) + 3))
+    assert np.abs(found.step - step).max() < SAME * max(1.0, np.abs(step).max())
