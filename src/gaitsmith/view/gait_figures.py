@@ -19,6 +19,8 @@ from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, figu
 Array = npt.NDArray[np.float64]
 _SAMPLES = 60  # a phase
 _STICKS = 30  # figures in a stick plot
+_WALKS = 0.5  # m travelled, from which figures seen from the side need no spreading
+_APART = (0.35, 0.25)  # m, from the side and from the front
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +75,13 @@ def _sticks(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
     with figure(f"{robot.card.name}: {gait.motion.name}", 7.0) as made:
         side, front = made.subplots(2, 1)
         chosen = np.linspace(0, trace.bodies.shape[0] - 1, _STICKS).astype(int)
+        # Figures that would stand on the same spot are spread along time.
+        stays = np.ptp(trace.bodies[:, robot.torso_body, 0]) < _WALKS
+        spacing = (_APART[0] if stays else 0.0, _APART[1])
         for axes, axis, title in ((side, 0, "from the side"), (front, 1, "from the front")):
             for order, k in enumerate(chosen):
                 shade = 0.25 + 0.75 * order / _STICKS
-                # The front view would draw every figure on the same spot: it is spread along time.
-                shift = 0.0 if axis == 0 else 0.25 * order
+                shift = spacing[axis] * order
                 for leg, colour in zip(robot.legs, (LEFT, RIGHT), strict=True):
                     chain = [robot.torso_body] + [int(robot.model.jnt_bodyid[j + 1]) for j in leg.joint_indices]
                     points = trace.bodies[k, chain]
@@ -93,7 +97,7 @@ def _sticks(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
             axes.set_aspect("equal")
             axes.set_title(title)
             axes.set_ylabel("z, m")
-        side.set_xlabel("x, m")
+        side.set_xlabel("x, m" + (", figures spread along time" if stays else ""))
         front.set_xlabel("y, m, figures spread along time")
         return save(made, path)
 
