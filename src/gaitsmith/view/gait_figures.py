@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 _SAMPLES = 60  # a phase
 _STICKS = 30  # figures in a stick plot
 _WALKS = 0.5  # m travelled, from which figures seen from the side need no spreading
-_APART = (0.35, 0.25)  # m, from the side and from the front
+_APART = (0.3, 0.3)  # m, from the side and from the front
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +72,12 @@ def _phases(axes: Axes, gait: Gait) -> None:
 
 
 def _sticks(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
-    with figure(f"{robot.card.name}: {gait.motion.name}", 7.0) as made:
+    # Figures that would stand on the same spot are spread along time.
+    stays = np.ptp(trace.bodies[:, robot.torso_body, 0]) < _WALKS
+    spacing = (_APART[0] if stays else 0.0, _APART[1])
+    with figure(f"{robot.card.name}: {gait.motion.name}", 3.6 if stays else 7.0) as made:
         side, front = made.subplots(2, 1)
         chosen = np.linspace(0, trace.bodies.shape[0] - 1, _STICKS).astype(int)
-        # Figures that would stand on the same spot are spread along time.
-        stays = np.ptp(trace.bodies[:, robot.torso_body, 0]) < _WALKS
-        spacing = (_APART[0] if stays else 0.0, _APART[1])
         for axes, axis, title in ((side, 0, "from the side"), (front, 1, "from the front")):
             for order, k in enumerate(chosen):
                 shade = 0.25 + 0.75 * order / _STICKS
