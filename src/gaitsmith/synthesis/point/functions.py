@@ -40,6 +40,7 @@ class PointFunctions:
     compiled: bool
     compile_s: float
     _mapped: dict[tuple[str, int], Caller] = field(default_factory=dict)
+    _places: dict[str, npt.NDArray[np.int64]] = field(default_factory=dict)
 
     def evaluate(self, points: Array, pivots: Array) -> Array:
         """Outputs (outputs, K) for many points: inputs (inputs, K) and pivots (3, K)."""
@@ -53,10 +54,25 @@ class PointFunctions:
         """Outputs (outputs, K) and Jacobians (K, outputs, inputs) for many points."""
         count = points.shape[1]
         values, slopes = self._caller("jacobian", count)(points.T.ravel(), pivots.T.ravel())
-        rows, columns = self.jacobian.sparsity_out(1).get_triplet()
-        dense = np.zeros((count, self.layout.outputs, self.layout.inputs))
-        dense[:, rows, columns] = slopes.reshape(count, -1)
+        dense = self._dense("jacobian", 1, slopes, (self.layout.outputs, self.layout.inputs))
         return values.reshape(count, self.layout.outputs).T.copy(), dense
+
+    def curvature(self, points: Array, pivots: Array, multipliers: Array, weights: Array) -> Array:
+        """Hessians (K, inputs, inputs) for many points: multipliers (K, outputs) and weights (K,)."""
+        count = points.shape[1]
+        arguments = (points.T.ravel(), pivots.T.ravel(), multipliers.ravel(), weights)
+        (found,) = self._caller("hessian", count)(*arguments)
+        return self._dense("hessian", 0, found, (self.layout.inputs, self.layout.inputs))
+
+    def _dense(self, name: str, output: int, nonzeros: Array, shape: tuple[int, int]) -> Array:
+        """Matrices (K, *shape) from the nonzeros of a mapped function's output."""
+        if name not in self._places:
+            rows, columns = getattr(self, name).sparsity_out(output).get_triplet()
+            self._places[name] = np.array(rows) * shape[1] + np.array(columns)
+        places = self._places[name]
+        found = np.zeros((len(nonzeros) // len(places), shape[0] * shape[1]))
+        found[:, places] = nonzeros.reshape(-1, len(places))
+        return found.reshape(-1, *shape)
 
     def _caller(self, name: str, count: int) -> Caller:
         """The function mapped over a number of points, kept for the next time."""

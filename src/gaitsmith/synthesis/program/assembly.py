@@ -107,12 +107,6 @@ class Assembly:
         found = ca.triu(self._curvature(on_outputs, factor))
         return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
 
-    @cached_property
-    def gauss_newton(self) -> Any:
-        """X -> upper triangle of the objective's Hessian without the curvature of the torques: never negative."""
-        flat = ca.MX(self.program.functions.layout.outputs, self.program.points.count)
-        return ca.Function("gauss_newton", [self.x], [ca.triu(self._curvature(flat, ca.MX(1.0)))])
-
     def _curvature(self, on_outputs: Any, factor: Any) -> Any:
         """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
         layout, program, fun = self.program.functions.layout, self.program, self.program.functions

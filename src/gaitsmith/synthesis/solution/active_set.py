@@ -63,7 +63,7 @@ class Held:
     def __init__(self, H: sp.spmatrix, rows: sp.csr_matrix) -> None:
         soft = -_SOFT * sp.eye_array(rows.shape[0])
         self.size = H.shape[0]
-        self._matrix = sp.csc_matrix(sp.bmat([[H, rows.T], [rows, soft]]))
+        self._matrix = sp.bmat([[H, rows.T], [rows, soft]], format="csc")
         self._factors: Any = sl.splu(self._matrix)
 
     def solve(self, right: Array) -> Array:

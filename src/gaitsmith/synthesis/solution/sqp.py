@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import cached_property
 
 import daqp
 import numpy as np
@@ -14,6 +13,7 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
+from gaitsmith.synthesis.program.curvature import Curvature
 from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, Program
 from gaitsmith.synthesis.solution.active_set import ActiveStep, active_set_step
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, progress_of
@@ -53,8 +53,7 @@ def solve_sqp(
         A solution whose ``solved`` is False when the start was too far away; the caller then solves it cold.
     """
     begin = time.perf_counter()
-    derivatives = _Derivatives(program)
-    first_order = derivatives.first_order
+    first_order, curvature = Caller(Assembly(program).first_order), Curvature(program)
     ready = time.perf_counter()
     x, lam, fallbacks = start.copy(), multipliers.copy(), 0
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
@@ -69,16 +68,16 @@ def solve_sqp(
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:
-            H = derivatives.exact(x, lam)
+            H = _lifted(curvature.exact(x, lam))
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            H = derivatives.convex(x)
+            H = _lifted(curvature.convex(x))
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is not None:
             step, lam = found.step, found.multipliers
         else:
             fallbacks += 1
-            dense = _dense_step(program, gradient, rows, jacobian, derivatives.exact(x, lam))
+            dense = _dense_step(program, gradient, rows, jacobian, _lifted(curvature.exact(x, lam)))
             if dense is None:
                 status = "Quadratic_Program_Failed"
                 break
@@ -86,7 +85,7 @@ def solve_sqp(
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
         if violation < _ROWS and gain < _GAIN * abs(objective) and found is not None:
-            x, left = _settled(program, first_order, x + step, found)
+            x, left = _settled(program, x + step, found)
             solved = left < _SETTLED
             status = "Solve_Succeeded" if solved else "Restoration_Failed"
             break
@@ -102,45 +101,22 @@ def solve_sqp(
     return Solution(x, solved, status, iteration, ready - begin, spent, lam, fallbacks)
 
 
-class _Derivatives:
-    """A program's derivatives on NumPy arrays, each built when it is first asked for."""
-
-    def __init__(self, program: Program) -> None:
-        self._assembly = Assembly(program)
-        self.first_order = Caller(self._assembly.first_order)
-
-    @cached_property
-    def _exact(self) -> Caller:
-        return Caller(self._assembly.hessian)
-
-    @cached_property
-    def _convex(self) -> Caller:
-        return Caller(self._assembly.gauss_newton)
-
-    def exact(self, x: Array, multipliers: Array) -> sp.csr_matrix:
-        """(n, n) curvature of the Lagrangian."""
-        self._exact(x, np.zeros(0), 1.0, multipliers)
-        return _whole(self._exact.matrix(0))
-
-    def convex(self, x: Array) -> sp.csr_matrix:
-        """(n, n) curvature that is positive in all directions."""
-        self._convex(x)
-        return _whole(self._convex.matrix(0))
+def _lifted(H: sp.coo_matrix) -> sp.coo_matrix:
+    """A Hessian with a little curvature added."""
+    along = np.arange(H.shape[0])
+    values = np.concatenate([H.data, np.full(len(along), _PROXIMAL)])
+    places = np.concatenate([H.row, along]), np.concatenate([H.col, along])
+    return sp.coo_matrix((values, places), shape=H.shape)
 
 
-def _whole(upper: sp.csc_matrix) -> sp.csr_matrix:
-    """Both triangles, with a little curvature added."""
-    return (upper + sp.triu(upper, 1).T + _PROXIMAL * sp.eye_array(upper.shape[0])).tocsr()
-
-
-def _settled(program: Program, first_order: Caller, x: Array, found: ActiveStep) -> tuple[Array, float]:
+def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, float]:
     """Small changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
     held, left, conditions = found.held, np.inf, found.conditions()
     side = np.sign(found.multipliers[held])
     goal = np.where(side < 0, program.low[held], program.high[held])
     for _ in range(_SETTLING):
-        _, rows, _ = first_order(x)
-        gap = goal - rows[held]
+        _, o = program.evaluate(x)
+        gap = goal - program.constraint(x, o)[held]
         left = float(np.abs(gap).max(initial=0.0))
         if left < 0.01 * _SETTLED:
             break
@@ -153,7 +129,7 @@ def _dense_step(
     gradient: Array,
     rows: Array,
     jacobian: sp.csr_matrix,
-    H: sp.csr_matrix,
+    H: sp.spmatrix,
 ) -> tuple[Array, Array] | None:
     """Step and multipliers of the quadratic program in the null space of the equalities; None without a solution."""
     equal = program.high - program.low <= 0.0
