@@ -89,13 +89,13 @@ def mutated_cards(draw: st.DrawFn) -> tuple[dict[str, Any], Path]:
                     other = other[key]
                 parent[spot[-1]] = copy.deepcopy(other)
             case "added" if isinstance(parent, dict):
-                parent[draw(st.text(max_size=5))] = draw(st.sampled_from(JUNK))
+                parent[draw(st.text(max_size=5))] = copy.deepcopy(draw(st.sampled_from(JUNK)))
             case "scaled" if isinstance(parent[spot[-1]], float):
                 parent[spot[-1]] *= draw(st.floats(0.5, 2.0))
             case "number":
                 parent[spot[-1]] = draw(st.floats())
             case _:
-                parent[spot[-1]] = draw(st.sampled_from(JUNK))
+                parent[spot[-1]] = copy.deepcopy(draw(st.sampled_from(JUNK)))
     return data, path.parent
 
 

@@ -97,7 +97,7 @@ def test_gait_inputs_outside_the_robot_s_limits_are_refused(name, value):
         ),
         ({"pushes": [{"time": 21.0, "impulse": [1, 0, 0]}]}, "pushes[0].time: got 21.0, expected 0 s to less than"),
         ({"pushes": [{"time": 2.0, "impulse": [1, math.inf, 0]}]}, "pushes[0].impulse[1]"),
-        ({"pushes": [{"impulse": [1, 0, 0]}]}, "pushes[0].time: got None, expected a value"),
+        ({"pushes": [{"impulse": [1, 0, 0]}]}, "pushes[0].time: got nothing, expected a value"),
         ({"speed": [0.1, 0.2, 0.3]}, "speed: got [0.1, 0.2, 0.3], expected one or two finite numbers, m/s"),
         ({"speed": "fast"}, "speed: got 'fast', expected one or two finite numbers"),
         ({"state": "guessed"}, "state: got 'guessed', expected 'true' or 'estimated'"),
@@ -174,7 +174,7 @@ def test_both_bounds_also_below_the_top():
 
 
 def test_what_is_missing_or_nested_too_deeply_is_told_in_our_own_words():
-    assert _refusal({"pushes": [{"time": 1.0, "impulse": [0, 1]}]}).endswith("impulse[2]: got None, expected a value")
+    assert _refusal({"pushes": [{"time": 1.0, "impulse": [0, 1]}]}).endswith("impulse[2]: got nothing, expected a value")
     nested: list[object] = []
     for _ in range(300):
         nested = [nested]
