@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,21 @@ from gaitsmith.synthesis.motions.motion import Motion, Phase
 
 Array = npt.NDArray[np.float64]
 CHANNELS = 12  # left force, left moment, right force, right moment
+
+
+def polynomial(coefficients: Array, s: Array, span: float) -> Array:
+    """(3, n, N) values of eq. (17) and two derivatives with respect to time.
+
+    Args:
+        coefficients: (n, degree + 1) of 1, s, s² ...
+        s: (N,) from 0 to 1 over the section.
+        span: the section's duration, s.
+    """
+    powers = np.arange(coefficients.shape[1])
+    basis = s[None, :] ** powers[:, None]
+    first = coefficients[:, 1:] * powers[1:]
+    second = first[:, 1:] * powers[1:-1]
+    return np.array([coefficients @ basis, first @ basis[:-1] / span, second @ basis[:-2] / span**2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +85,7 @@ class Gait:
         n = len(self.joint_names)
         found = np.zeros((3, n, len(times)))
         for piece, mask, s in self._split(phase, times):
-            powers = np.arange(piece.joints.shape[1])
-            basis = s[None, :] ** powers[:, None]
-            found[0][:, mask] = piece.joints @ basis
-            first = piece.joints[:, 1:] * powers[1:]
-            found[1][:, mask] = first @ basis[:-1] / piece.duration
-            second = first[:, 1:] * powers[1:-1]
-            found[2][:, mask] = second @ basis[:-2] / piece.duration**2
+            found[:, :, mask] = polynomial(piece.joints, s, piece.duration)
         return found[0], found[1], found[2]
 
     def torques(self, phase: int, times: Array) -> Array:
@@ -125,17 +134,7 @@ def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int
         phases += current.motion.phases
         pieces += current.pieces
     motion = Motion(gait.motion.name, tuple(phases), (), False, gait.motion.parameters)
-    return Gait(
-        gait.robot,
-        gait.robot_hash,
-        gait.joint_names,
-        motion,
-        tuple(pieces),
-        gait.bounds,
-        gait.order,
-        gait.solver,
-        gait.certificate,
-    )
+    return replace(gait, motion=motion, pieces=tuple(pieces))
 
 
 def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64], sign: Array) -> Gait:
@@ -182,14 +181,4 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
         pieces.append(tuple(moved))
     motion = Motion(gait.motion.name, tuple(phases), gait.motion.conditions, gait.motion.cyclic, gait.motion.parameters)
-    return Gait(
-        gait.robot,
-        gait.robot_hash,
-        gait.joint_names,
-        motion,
-        tuple(pieces),
-        gait.bounds,
-        gait.order,
-        gait.solver,
-        gait.certificate,
-    )
+    return replace(gait, motion=motion, pieces=tuple(pieces))

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.gaits.gait import Piece
+from gaitsmith.synthesis.gaits.gait import Piece, polynomial
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.curves import power_basis
 from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Points, Transcription
@@ -158,12 +158,7 @@ def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[LocalP
         if len(mask) == 0:
             continue
         s = np.clip((times[mask] - start) / span, 0.0, 1.0)
-        powers = np.arange(joints.shape[1])
-        basis = s[None, :] ** powers[:, None]
-        first = joints[:, 1:] * powers[1:]
-        z[:n, mask] = joints @ basis
-        z[n : 2 * n, mask] = first @ basis[:-1] / span
-        z[2 * n : 3 * n, mask] = (first[:, 1:] * powers[1:-1]) @ basis[:-2] / span**2
+        z[: 3 * n, mask] = polynomial(joints, s, span).reshape(3 * n, -1)
     z[3 * n :] = _wrench_at(trans, x, phase, times)
     return z
 
