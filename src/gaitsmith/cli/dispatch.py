@@ -16,6 +16,7 @@ import math
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -71,7 +72,8 @@ def run(words: list[str], interrupts: Interrupts) -> int:
     """Run one command line, and turn its end into an exit code and what is printed."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
-    with _streams() as out:
+    with _streams() as out, warnings.catch_warnings():
+        warnings.showwarning = _warned
         return _guarded(words, wants_json, out, interrupts)
 
 
@@ -174,6 +176,12 @@ def _help(group: str | None) -> str:
     codes = "Exit codes: 0 done, 1 the robot fell or verify failed, 2 bad input, 3 not solved or not certified,\n"
     codes += "70 internal error, 130 interrupted.\n"
     return head + rows + tail + codes
+
+
+def _warned(message: Warning | str, *_: Any, **__: Any) -> None:
+    """A library's or our own warning as one line, without the place in the source."""
+    with contextlib.suppress(OSError):
+        sys.stderr.write(f"gaitsmith: {printable(' '.join(str(message).split()))}\n")
 
 
 def _failed(code: int, text: str, wants_json: bool, out: TextIO, details: dict[str, Any]) -> int:
