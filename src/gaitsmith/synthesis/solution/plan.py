@@ -37,7 +37,7 @@ _EXAMINATION = 20.0  # s, to find out why there is no solution
 _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
-_USUAL = 120  # iterations from standing still; who needs more has asked for too much, or for another start
+_USUAL = 60  # iterations from standing still; who needs more has asked for too much, or for another start
 _FAR = {  # slower, but it also arrives from afar
     "alpha_for_y": "primal",
     "bound_push": 0.01,

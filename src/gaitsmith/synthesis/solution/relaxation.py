@@ -14,6 +14,7 @@ from gaitsmith.synthesis.solution.ipopt import solve_ipopt
 
 Array = npt.NDArray[np.float64]
 _PRICES = (("torque", 1.0), ("velocity", 1.0), ("angle", 3.0), ("ZMP", 3.0), ("normal force", 3.0))
+_JOINT = ("torque", "velocity", "angle")
 _DEAR = 10.0  # of what is asked for, rather than what the robot can do
 _COST = 1e-4  # share of the objective that is kept, so that the least motion is chosen
 _TOLERANCE = 1e-4
@@ -45,7 +46,7 @@ class Relaxed:
     Attributes:
         solved: whether all equalities hold, with or without bounds giving way.
         x: unknowns.
-        excesses: the bounds that give way, the worst first; none if the request can be met.
+        excesses: the bounds that give way, the joints' own first, the worst first; none if the request can be met.
     """
 
     solved: bool
@@ -82,7 +83,8 @@ def relaxed(program: Program, start: Array, time_limit: float) -> Relaxed:
         if program.high[row] > program.low[row] and gaps[row] > max(_NOTHING, gaps[worst.get(label.name, row)] * 0.999):
             worst[label.name] = row
     excesses = []
-    for row in sorted(worst.values(), key=lambda row: -gaps[row]):
+    # What the joints lack comes first: a ZMP out of place is often its consequence.
+    for row in sorted(worst.values(), key=lambda row: (not program.labels[row].name.endswith(_JOINT), -gaps[row])):
         label = program.labels[row]
         limit = program.low[row] if values[row] < program.low[row] else program.high[row]
         excesses.append(Excess(label, label.shown(float(values[row])), label.shown(float(limit)), float(gaps[row])))
