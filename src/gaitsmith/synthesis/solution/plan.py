@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -190,7 +191,8 @@ class Planner:
             points = with_times(trans, base, picks)
             program = make_program(trans, self.functions, points, picks)
             far = start is not None or relaxed_once
-            found = self._solve(program, found, x, settings, deadline, rounds, far, report)
+            tell = None if report is None else partial(report, rounds)
+            found = self._solve(program, found, x, settings, deadline, rounds, far, tell)
             iterations += found.iterations
             fallbacks += found.fallbacks
             x = found.x
@@ -201,7 +203,7 @@ class Planner:
                 program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found, fallbacks
             )
             if not found.solved:
-                possible, reason = self._examined(trans, base, program, found, begin_x, deadline)
+                possible, reason = self._examined(trans, base, program, found, begin_x, deadline, tell)
                 if possible is None or relaxed_once:
                     return tally.result("not solved", reason, [])
                 picks, x, found, relaxed_once = seldom_left_out(trans, base), possible, None, True
@@ -228,7 +230,14 @@ class Planner:
         return tally.result("solved", "", worst, gait)
 
     def _examined(
-        self, trans: Transcription, base: Points, program: Program, found: Solution, start: Array, deadline: float
+        self,
+        trans: Transcription,
+        base: Points,
+        program: Program,
+        found: Solution,
+        start: Array,
+        deadline: float,
+        tell: Callable[[Progress], None] | None,
     ) -> tuple[Array | None, str]:
         """Unknowns that meet everything, if there are any after all; and the reason why not, in words."""
         late = time.perf_counter() > deadline
@@ -238,7 +247,7 @@ class Planner:
         ]
         whole = make_program(trans, self.functions, base, picks)
         limit = min(_EXAMINATION, trans.settings.time_limit)
-        least = relaxed(whole, start, limit)
+        least = relaxed(whole, start, limit, tell)
         if least.excesses:
             return None, lacking(trans, least.excesses)
         return (least.x if least.solved and not late else None), reason
@@ -252,10 +261,9 @@ class Planner:
         deadline: float,
         rounds: int,
         far: bool,
-        report: Callable[[int, Progress], None] | None,
+        tell: Callable[[Progress], None] | None,
     ) -> Solution:
         """Warm from the last solution if there is one, else (or if that fails) cold; ``far``: from no usual start."""
-        tell = None if report is None else lambda progress: report(rounds, progress)
         if last is not None:
             multipliers = np.zeros(program.rows)
             count = min(program.rows, len(last.multipliers))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.program.program import Program
 from gaitsmith.synthesis.program.rows import Label
-from gaitsmith.synthesis.solution.ipopt import solve_ipopt
+from gaitsmith.synthesis.solution.ipopt import Progress, solve_ipopt
 
 Array = npt.NDArray[np.float64]
 _PRICES = (("torque", 1.0), ("velocity", 1.0), ("angle", 3.0), ("ZMP", 3.0), ("normal force", 3.0))
@@ -54,7 +55,9 @@ class Relaxed:
     excesses: list[Excess]
 
 
-def relaxed(program: Program, start: Array, time_limit: float) -> Relaxed:
+def relaxed(
+    program: Program, start: Array, time_limit: float, report: Callable[[Progress], None] | None = None
+) -> Relaxed:
     """Solve a program whose bounds may be exceeded; equalities hold.
 
     All rows of one name share one unknown, the share of the range by which they may be exceeded.
@@ -63,6 +66,7 @@ def relaxed(program: Program, start: Array, time_limit: float) -> Relaxed:
         program: the program, with all the bounds that matter.
         start: unknowns to start from.
         time_limit: s.
+        report: called at every iteration.
     """
     soft = _softened(program)
     _, o = program.evaluate(start)
@@ -71,7 +75,7 @@ def relaxed(program: Program, start: Array, time_limit: float) -> Relaxed:
     for row, column in enumerate(_columns(program)):
         if column >= 0:
             begin[program.size + column] = max(begin[program.size + column], 1.01 * gaps[row])
-    found = solve_ipopt(soft, begin, _TOLERANCE, _ITERATIONS, time_limit)
+    found = solve_ipopt(soft, begin, _TOLERANCE, _ITERATIONS, time_limit, report)
     x = found.x[: program.size]
     _, o = program.evaluate(x)
     values = program.constraint(x, o)
