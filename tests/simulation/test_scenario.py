@@ -174,7 +174,9 @@ def test_both_bounds_also_below_the_top():
 
 
 def test_what_is_missing_or_nested_too_deeply_is_told_in_our_own_words():
-    assert _refusal({"pushes": [{"time": 1.0, "impulse": [0, 1]}]}).endswith("impulse[2]: got nothing, expected a value")
+    assert _refusal({"pushes": [{"time": 1.0, "impulse": [0, 1]}]}).endswith(
+        "impulse[2]: got nothing, expected a value"
+    )
     nested: list[object] = []
     for _ in range(300):
         nested = [nested]

@@ -8,6 +8,7 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
 from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.motion import At, Motion, Phase
 from gaitsmith.synthesis.program.guess import random_start
 from gaitsmith.synthesis.program.program import make_program
 from gaitsmith.synthesis.program.transcription import Transcription
@@ -94,6 +95,15 @@ def test_a_period_too_short_names_torques_and_velocities(planner):
 def test_margins_wider_than_the_sole_are_refused(planner):
     with pytest.raises(BadInput, match="half of this robot's sole"):
         planner.plan(cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(bounds=Bounds(zmp_margin=0.045)))
+
+
+def test_conditions_that_contradict_each_other_are_named(planner):
+    half = planner.biped.width / 2.0
+    phase = Phase("stand", 0.6, "right", "flat", (0.0, -half), (0.0, half), 2)
+    found = planner.plan(Motion("no", (phase,), (At(0, "hip_height", 0.35), At(0, "hip_height", 0.36))))
+    assert not found.solved
+    assert "do not hold together" in found.reason
+    assert "hip_height" in found.reason
 
 
 def test_progress_is_told_and_an_interrupt_ends_the_solve(planner):

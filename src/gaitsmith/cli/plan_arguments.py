@@ -108,7 +108,7 @@ class PlanArguments:
     friction: Annotated[float | None, number("--friction", "MU", _bound("friction"), (0.05, 2.0))] = None
     """Coulomb coefficient."""
     time_limit: Annotated[float | None, number("--time-limit", "S", _setting("time_limit"), (0.1, 3600.0))] = None
-    """For each solve, s."""
+    """For each solve, s; to find out why there is no solution takes up to 20 s more."""
     jobs: Annotated[int | None, integer("--jobs", "N", 1, 256, absent="1")] = None
     """Processes of a sweep."""
     out: Annotated[str | None, text("--out", "FILE", absent="none")] = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.proof.verify import TORQUE_JUMP
+from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, verify
 from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
@@ -59,9 +59,11 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     if gait is not None:
         worst = list(gait.certificate.get("worst", worst))
     jump = None if gait is None else torque_jump(gait, biped)
-    warnings = []
+    warnings: list[str] = []
     if jump is not None and jump > TORQUE_JUMP:
-        warnings.append(f"torques jump by {jump:.2g} N·m, verify allows {TORQUE_JUMP:g}: plan with --order 5")
+        assert gait is not None
+        problems = verify(gait, biped.robot).problems
+        warnings = [f"verify rejects this gait, plan with --order 5: {problem}" for problem in problems]
     return {
         "status": main.status,
         "reason": main.reason,

@@ -9,9 +9,10 @@ from gaitsmith.synthesis.program.program import Program
 from gaitsmith.synthesis.program.rows import Label
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.ipopt import Solution
-from gaitsmith.synthesis.solution.relaxation import Excess
+from gaitsmith.synthesis.solution.relaxation import Relaxed
 
 _TOLD = 2  # bounds that a reason names
+_SLIGHT = 0.01  # of a bound's range
 
 
 def place(trans: Transcription, phase: int, time: float) -> str:
@@ -27,9 +28,19 @@ def place(trans: Transcription, phase: int, time: float) -> str:
     return f"{share:.0f} % of {stretch}"
 
 
-def lacking(trans: Transcription, excesses: list[Excess]) -> str:
-    """What a request would take that the robot does not have: "right_knee torque 178 of 40 N·m at 97 % of ..."."""
-    said = [f"{_pair(e.label, e.value, e.limit)} at {place(trans, e.label.phase, e.label.time)}" for e in excesses]
+def lacking(trans: Transcription, least: Relaxed) -> str:
+    """What a request would take that the robot does not have: "right_knee torque 178 of 40 N·m at 97 % of ...".
+
+    Where hardly any bound gives way and the conditions still do not hold, it is they that contradict each other.
+    """
+    unmet = least.unmet
+    if unmet is not None and all(item.share < _SLIGHT for item in least.excesses):
+        where = place(trans, unmet.label.phase, unmet.label.time)
+        pair = _pair(unmet.label, unmet.value, unmet.limit)
+        return f"no solution: the conditions do not hold together, whatever the robot could do: {pair} at {where}"
+    said = [
+        f"{_pair(e.label, e.value, e.limit)} at {place(trans, e.label.phase, e.label.time)}" for e in least.excesses
+    ]
     return f"no solution: it would take {', and '.join(said[:_TOLD])}"
 
 
@@ -57,7 +68,8 @@ def _pair(label: Label, value: float, limit: float) -> str:
     """A value beside its limit; what is measured from its limit is told as such."""
     if limit == 0.0:
         return f"{label.name} {abs(value):.3g} {label.unit} beyond its limit"
-    return f"{label.name} {value:.3g} of {limit:.3g} {label.unit}"
+    digits = 3 if f"{value:.3g}" != f"{limit:.3g}" else 7
+    return f"{label.name} {value:.{digits}g} of {limit:.{digits}g} {label.unit}"
 
 
 def out_of_reach(trans: Transcription) -> str:

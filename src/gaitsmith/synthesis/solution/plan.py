@@ -248,8 +248,8 @@ class Planner:
         whole = make_program(trans, self.functions, base, picks)
         limit = min(_EXAMINATION, trans.settings.time_limit)
         least = relaxed(whole, start, limit, tell)
-        if least.excesses:
-            return None, lacking(trans, least.excesses)
+        if least.excesses or least.unmet is not None:
+            return None, lacking(trans, least)
         return (least.x if least.solved and not late else None), reason
 
     def _solve(

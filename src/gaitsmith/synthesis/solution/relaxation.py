@@ -48,11 +48,13 @@ class Relaxed:
         solved: whether all equalities hold, with or without bounds giving way.
         x: unknowns.
         excesses: the bounds that give way, the joints' own first, the worst first; none if the request can be met.
+        unmet: the equality that holds least; None where all hold.
     """
 
     solved: bool
     x: Array
     excesses: list[Excess]
+    unmet: Excess | None = None
 
 
 def relaxed(
@@ -89,10 +91,17 @@ def relaxed(
     excesses = []
     # What the joints lack comes first: a ZMP out of place is often its consequence.
     for row in sorted(worst.values(), key=lambda row: (not program.labels[row].name.endswith(_JOINT), -gaps[row])):
-        label = program.labels[row]
-        limit = program.low[row] if values[row] < program.low[row] else program.high[row]
-        excesses.append(Excess(label, label.shown(float(values[row])), label.shown(float(limit)), float(gaps[row])))
-    return Relaxed(found.solved, x, excesses)
+        excesses.append(_excess(program, row, values, gaps))
+    unequal = program.high > program.low
+    row = int(np.argmax(np.where(unequal, 0.0, gaps)))
+    unmet = None if unequal[row] or gaps[row] < _NOTHING else _excess(program, row, values, gaps)
+    return Relaxed(found.solved, x, excesses, unmet)
+
+
+def _excess(program: Program, row: int, values: Array, gaps: Array) -> Excess:
+    label = program.labels[row]
+    limit = program.low[row] if values[row] < program.low[row] else program.high[row]
+    return Excess(label, label.shown(float(values[row])), label.shown(float(limit)), float(gaps[row]))
 
 
 def _columns(program: Program) -> list[int]:
