@@ -140,7 +140,6 @@ def solve_ipopt(
     time_limit: float,
     report: Callable[[Progress], None] | None = None,
     options: dict[str, Any] | None = None,
-    multipliers: Array | None = None,
 ) -> Solution:
     """Solve a program with IPOPT and MUMPS.
 
@@ -152,7 +151,6 @@ def solve_ipopt(
         time_limit: s.
         report: called at every iteration.
         options: further IPOPT options.
-        multipliers: of the rows, for a warm start.
 
     Raises:
         KeyboardInterrupt: Ctrl-C during the solve.
@@ -198,11 +196,8 @@ def solve_ipopt(
         },
     )
     ready = time.perf_counter()
-    given: dict[str, Any] = {"x0": start, "lbg": program.low, "ubg": program.high}
-    if multipliers is not None:
-        given["lam_g0"] = multipliers
     with _signals_kept(watch):
-        result = solver(**given)
+        result = solver(x0=start, lbg=program.low, ubg=program.high)
     stats = solver.stats()
     if watch.interrupted is not None:
         raise watch.interrupted
