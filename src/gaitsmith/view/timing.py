@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from gaitsmith.view.canvas import LEFT, LIMIT, RIGHT, above, figure
 from gaitsmith.view.recording import Recording
@@ -27,6 +28,7 @@ def draw_timing(recording: Recording) -> Figure:
         axis.set_yscale("log")
         axis.set(xlabel="duration, µs", ylabel="ticks")
         axis.xaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more labels would touch each other
         axis.xaxis.set_minor_formatter("{x:g}")
         above(axis, 3)
     return made
