@@ -20,10 +20,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import mujoco
 import numpy as np
 
-from gaitsmith.control.measurement import make_measurement
-from gaitsmith.control.posture import standing_posture
+from gaitsmith.estimation.measurement import make_measurement
+from gaitsmith.kinematics.posture import standing_posture
+from gaitsmith.log import read_log
 from gaitsmith.robots import load_robot
-from gaitsmith.simulation import Scenario, Simulation, read_log
+from gaitsmith.simulation import Scenario, Simulation
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import parse_terrain

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Arena, bind, kernel
-from gaitsmith.control.quadratic_program import QuadraticProgram, make_quadratic_program, solve
+from gaitsmith.qp.quadratic_program import QuadraticProgram, make_quadratic_program, solve
 
 Array = npt.NDArray[np.float64]
 Problem = tuple[Array, Array, Array, Array, Array]

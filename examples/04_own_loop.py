@@ -7,7 +7,7 @@ python examples/04_own_loop.py
 """
 
 import gaitsmith
-from gaitsmith.control.posture import standing_posture
+from gaitsmith.kinematics.posture import standing_posture
 
 
 def main(duration: float = 6.0) -> gaitsmith.Controller:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gaitsmith.control import Controller as Controller
+    from gaitsmith.log import read_log as read_log
     from gaitsmith.robots import Robot as Robot
     from gaitsmith.robots import load_robot as load_robot
     from gaitsmith.robots import robot_names as robot_names
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from gaitsmith.simulation import Scenario as Scenario
     from gaitsmith.simulation import Simulation as Simulation
     from gaitsmith.simulation import load_scenario as load_scenario
-    from gaitsmith.simulation import read_log as read_log
     from gaitsmith.simulation import run_episode as run_episode
 
 __version__ = "0.1.0"
@@ -37,7 +37,7 @@ _HOMES = {
     "Simulation": "gaitsmith.simulation",
     "load_robot": "gaitsmith.robots",
     "load_scenario": "gaitsmith.simulation",
-    "read_log": "gaitsmith.simulation",
+    "read_log": "gaitsmith.log",
     "robot_names": "gaitsmith.robots",
     "run_episode": "gaitsmith.simulation",
 }

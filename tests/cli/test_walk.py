@@ -17,7 +17,8 @@ from gaitsmith.cli.run_folder import check_new_folder
 from gaitsmith.cli.scenario_file import scenario_toml
 from gaitsmith.cli.walk import WalkArguments, scenario_from
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation import Episode, Scenario, Simulation, load_scenario, read_log
+from gaitsmith.log import read_log
+from gaitsmith.simulation import Episode, Scenario, Simulation, load_scenario
 from gaitsmith.simulation.scenario import make_scenario
 
 SHORT = ["--duration", "0.3", "--rest-before", "0.1"]

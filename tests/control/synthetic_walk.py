@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector
-from gaitsmith.control.frames import Legs, make_legs
 from gaitsmith.dynamics import Tree, make_tree_state, point_jacobian, read_tree, sole_pose, update
 from gaitsmith.robots import Robot, load_robot
+from gaitsmith.whole_body.frames import Legs, make_legs
 
 DT = 1e-3
 PERIOD, DOUBLE = 0.4, 0.06  # s: a step, and its first part with both soles loaded

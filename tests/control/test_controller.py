@@ -9,9 +9,9 @@ import pytest
 from tests.control.walking import ROBOTS, Held, Loop, gait, parameters, robot
 
 from gaitsmith.control import Controller, Telemetry
-from gaitsmith.control.measurement import make_measurement
 from gaitsmith.control.telemetry import make_telemetry
 from gaitsmith.errors import BadInput
+from gaitsmith.estimation.measurement import make_measurement
 from gaitsmith.robots.parameters import GaitParameters
 
 

@@ -12,7 +12,7 @@ from tests.reference.memory import differences, read_memory, requested_gait
 from tests.reference.numpy_tick import NumpyTick
 
 from gaitsmith.control import Controller, Measurement
-from gaitsmith.control.quadratic_program import QuadraticProgram
+from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.robots.parameters import ControlParameters
 
 AGREEMENT = 1e-8  # of the largest torque limit; the QP magnifies rounding (1e-16) up to 1e8 times

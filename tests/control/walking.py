@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from gaitsmith.control import Controller
 from gaitsmith.control.layout import TickGroups
-from gaitsmith.control.posture import standing_posture
+from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import ControlParameters, GaitParameters
 from gaitsmith.simulation import Plant

@@ -7,7 +7,7 @@ from functools import cache
 import mujoco
 import numpy as np
 
-from gaitsmith.control.posture import standing_posture
+from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation.plant import Plant
 

@@ -10,8 +10,8 @@ import pytest
 from tests.simulation.standing import robot
 
 from gaitsmith.errors import BadInput
+from gaitsmith.log.record import read_log
 from gaitsmith.simulation.episode import Episode, Simulation, run_episode
-from gaitsmith.simulation.record import read_log
 from gaitsmith.simulation.scenario import make_scenario
 
 PUSHED = {"duration": 3.0, "rest_before": 0.3, "terrain": "boxes:0.03", "seed": 2, "speed": 0.2}

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from tests.simulation.standing import energy, floating, ground_height, hold, momentum, posture, robot
 
-from gaitsmith.control.measurement import make_measurement
 from gaitsmith.errors import BadInput
+from gaitsmith.estimation.measurement import make_measurement
 from gaitsmith.simulation import plant as physics
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.terrain import Region, parse_terrain

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.simulation.standing import posture, robot
 
-from gaitsmith.control.measurement import make_measurement
+from gaitsmith.estimation.measurement import make_measurement
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.sensors import SensorNoise
 

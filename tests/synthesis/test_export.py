@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation.record import read_log
+from gaitsmith.log.record import read_log
 from gaitsmith.synthesis.gaits.export import LARGEST, column_names, export_gait, gait_rows
 
 RATE = 2000.0

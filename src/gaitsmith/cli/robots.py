@@ -72,7 +72,7 @@ def check(words: list[str], program: str) -> Outcome:
         BadInput: the command line or the robot cannot be used.
     """
     robot = named_robot(parse(RobotArguments, words, program).robot, "ROBOT")
-    from gaitsmith.control.posture import standing_posture
+    from gaitsmith.kinematics.posture import standing_posture
 
     gait = robot.card.gait
     posture = standing_posture(robot, gait.height, gait.width)

@@ -2,6 +2,6 @@
 
 from gaitsmith.control.controller import CONTROL_PERIOD as CONTROL_PERIOD
 from gaitsmith.control.controller import Controller as Controller
-from gaitsmith.control.measurement import Measurement as Measurement
-from gaitsmith.control.posture import standing_posture as standing_posture
 from gaitsmith.control.telemetry import Telemetry as Telemetry
+from gaitsmith.estimation.measurement import Measurement as Measurement
+from gaitsmith.kinematics.posture import standing_posture as standing_posture

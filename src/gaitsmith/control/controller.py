@@ -8,26 +8,26 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Arena
-from gaitsmith.control.estimation import make_estimator_gains, make_estimator_state
-from gaitsmith.control.frames import make_frames, make_legs
-from gaitsmith.control.inverse_kinematics import make_inverse_kinematics, make_leg_kinematics
 from gaitsmith.control.joint_torque import make_joint_feedback
 from gaitsmith.control.layout import TickGroups
-from gaitsmith.control.measurement import Measurement, make_measurement
-from gaitsmith.control.motion_map import make_motion_map
-from gaitsmith.control.quadratic_program import make_quadratic_program
 from gaitsmith.control.state import make_control_state, make_tick_gains
-from gaitsmith.control.targets import make_targets, make_task_gains
 from gaitsmith.control.telemetry import Telemetry, make_telemetry
 from gaitsmith.control.tick import tick
 from gaitsmith.control.touchdown import make_touchdown_rule
-from gaitsmith.control.whole_body import make_whole_body, problem_size
 from gaitsmith.dynamics.tree import make_tree_state, read_tree
 from gaitsmith.errors import BadInput
+from gaitsmith.estimation.estimator import make_estimator_gains, make_estimator_state
+from gaitsmith.estimation.measurement import Measurement, make_measurement
+from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics
+from gaitsmith.qp.quadratic_program import make_quadratic_program
 from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import ControlParameters, GaitParameters
 from gaitsmith.template.foothold import make_foothold_gains
 from gaitsmith.template.step import make_gait, make_step_state
+from gaitsmith.whole_body.forward_dynamics import make_motion_map
+from gaitsmith.whole_body.frames import make_frames, make_legs
+from gaitsmith.whole_body.solve import make_whole_body, problem_size
+from gaitsmith.whole_body.targets import make_targets, make_task_gains
 
 CONTROL_PERIOD = 1e-3
 

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from gaitsmith.control.estimation import EstimatorGains, EstimatorState
-from gaitsmith.control.frames import Frames, Legs
-from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics
 from gaitsmith.control.joint_torque import JointFeedback
-from gaitsmith.control.measurement import Measurement
-from gaitsmith.control.motion_map import MotionMap
-from gaitsmith.control.quadratic_program import QuadraticProgram
 from gaitsmith.control.state import ControlState, TickGains
-from gaitsmith.control.targets import Targets, TaskGains
 from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.control.touchdown import TouchdownRule
-from gaitsmith.control.whole_body import WholeBody
 from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.estimation.estimator import EstimatorGains, EstimatorState
+from gaitsmith.estimation.measurement import Measurement
+from gaitsmith.kinematics.inverse import InverseKinematics, LegKinematics
+from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.template.foothold import FootholdGains
 from gaitsmith.template.step import Gait, StepState
+from gaitsmith.whole_body.forward_dynamics import MotionMap
+from gaitsmith.whole_body.frames import Frames, Legs
+from gaitsmith.whole_body.solve import WholeBody
+from gaitsmith.whole_body.targets import Targets, TaskGains
 
 
 class TickGroups(NamedTuple):

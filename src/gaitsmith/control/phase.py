@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from gaitsmith.compiled import Vector, kernel
-from gaitsmith.control.frames import Frames
-from gaitsmith.control.measurement import Measurement
 from gaitsmith.control.state import ControlState, TickGains
 from gaitsmith.control.touchdown import FORCED, NONE, TouchdownRule, detect_touchdown
+from gaitsmith.estimation.measurement import Measurement
 from gaitsmith.template.foothold import FootholdGains
 from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK, Gait, StepState
 from gaitsmith.template.switching import SETTLING_STEPS, begin_step, latch, switch_legs
+from gaitsmith.whole_body.frames import Frames
 
 _HEIGHT_RATE = 0.15  # m/s, how fast the hips follow a new height while standing
 _LONGEST_STRADDLE = 0.06  # m, forward distance of the soles at which a walk may end in standing

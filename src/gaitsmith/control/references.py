@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.control.frames import Frames, Legs
 from gaitsmith.control.state import ControlState, TickGains
-from gaitsmith.control.targets import Targets
 from gaitsmith.dynamics.tree import TreeState
 from gaitsmith.template.step import WALK, Gait, StepState
+from gaitsmith.whole_body.frames import Frames, Legs
+from gaitsmith.whole_body.targets import Targets
 
 
 @kernel

@@ -4,14 +4,8 @@ from __future__ import annotations
 
 import gaitsmith.control.layout as layout
 from gaitsmith.compiled import Vector, bind, kernel
-from gaitsmith.control.estimation import EstimatorGains, EstimatorState, estimate
-from gaitsmith.control.frames import Frames, Legs, observe_frames
-from gaitsmith.control.inverse_kinematics import InverseKinematics, LegKinematics, leg_step
 from gaitsmith.control.joint_torque import JointFeedback, bounded_torque
-from gaitsmith.control.measurement import Measurement, is_usable
-from gaitsmith.control.motion_map import MotionMap
 from gaitsmith.control.phase import advance_phase
-from gaitsmith.control.quadratic_program import QuadraticProgram
 from gaitsmith.control.references import (
     heading_to_torso,
     set_ankle_targets,
@@ -22,15 +16,21 @@ from gaitsmith.control.references import (
     swing_pitch,
 )
 from gaitsmith.control.state import ControlState, TickGains
-from gaitsmith.control.targets import Targets, TaskGains
 from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.control.touchdown import TouchdownRule
-from gaitsmith.control.whole_body import WholeBody, solve_whole_body
 from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.estimation.estimator import EstimatorGains, EstimatorState, estimate
+from gaitsmith.estimation.measurement import Measurement, is_usable
+from gaitsmith.kinematics.inverse import InverseKinematics, LegKinematics, leg_step
+from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.template.foothold import FootholdGains, foothold_target, observe_motion, touchdown_velocity
 from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK, Gait, StepState
 from gaitsmith.template.trajectory import support_height, swing_foot
+from gaitsmith.whole_body.forward_dynamics import MotionMap
+from gaitsmith.whole_body.frames import Frames, Legs, observe_frames
+from gaitsmith.whole_body.solve import WholeBody, solve_whole_body
+from gaitsmith.whole_body.targets import Targets, TaskGains
 
 _DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
 

@@ -9,15 +9,15 @@ import numpy.typing as npt
 
 import gaitsmith.control.layout as layout
 from gaitsmith.compiled import bind, kernel
-from gaitsmith.control.frames import Frames, Legs, observe_frames
-from gaitsmith.control.motion_map import MotionMap
-from gaitsmith.control.quadratic_program import QuadraticProgram
 from gaitsmith.control.state import ControlState
-from gaitsmith.control.targets import Targets, TaskGains
-from gaitsmith.control.whole_body import WholeBody, solve_whole_body
 from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.simulation import Simulation
+from gaitsmith.whole_body.forward_dynamics import MotionMap
+from gaitsmith.whole_body.frames import Frames, Legs, observe_frames
+from gaitsmith.whole_body.solve import WholeBody, solve_whole_body
+from gaitsmith.whole_body.targets import Targets, TaskGains
 
 
 @kernel

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.episode import run_episode as run_episode
     from gaitsmith.simulation.fall import Fall as Fall
     from gaitsmith.simulation.plant import Plant as Plant
-    from gaitsmith.simulation.record import Log as Log
-    from gaitsmith.simulation.record import read_log as read_log
     from gaitsmith.simulation.scenario import Scenario as Scenario
     from gaitsmith.simulation.scenario import load_scenario as load_scenario
     from gaitsmith.simulation.sensors import SensorNoise as SensorNoise
@@ -27,7 +25,6 @@ if TYPE_CHECKING:
 _HOMES = {
     "Episode": "episode",
     "Fall": "fall",
-    "Log": "record",
     "Plant": "plant",
     "Push": "disturbances",
     "Scenario": "scenario",
@@ -37,7 +34,6 @@ _HOMES = {
     "Terrain": "terrain",
     "load_scenario": "scenario",
     "parse_terrain": "terrain",
-    "read_log": "record",
     "run_episode": "episode",
 }
 

@@ -14,14 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.control import Controller
-from gaitsmith.control.posture import standing_posture
+from gaitsmith.kinematics.posture import standing_posture
+from gaitsmith.log.record import Log, Recorder
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation import plant as physics
 from gaitsmith.simulation.disturbances import Pushes, StrideClock
 from gaitsmith.simulation.fall import Fall, explain
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.record import Log, Recorder
 from gaitsmith.simulation.scenario import GAIT_FIELDS, Scenario, check_scenario
 from gaitsmith.simulation.summary import (
     FallReport,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.log import Log
 from gaitsmith.robots import Robot
-from gaitsmith.simulation import Log
 from gaitsmith.view.recording import Array, LegTrace, Recording
 
 _SIDES, _AXES = ("left", "right"), ("x", "y", "z")

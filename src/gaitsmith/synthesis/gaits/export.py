@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import regular_target, write_bytes_atomic
+from gaitsmith.log.record import Log
 from gaitsmith.robots import Robot
-from gaitsmith.simulation.record import Log
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.repetition import Repetition
 

@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.control.leg_kinematics import LegKinematics as LegKinematics
-from gaitsmith.control.leg_kinematics import leg_forward as leg_forward
-from gaitsmith.control.leg_kinematics import make_leg_kinematics as make_leg_kinematics
-from gaitsmith.control.quadratic_program import OPTIMAL, QuadraticProgram, make_quadratic_program, solve
 from gaitsmith.errors import BadInput
+from gaitsmith.kinematics.leg import LegKinematics as LegKinematics
+from gaitsmith.kinematics.leg import leg_forward as leg_forward
+from gaitsmith.kinematics.leg import make_leg_kinematics as make_leg_kinematics
+from gaitsmith.qp.quadratic_program import OPTIMAL, QuadraticProgram, make_quadratic_program, solve
 
 Array = npt.NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gaitsmith.control.posture import standing_posture
 from gaitsmith.errors import BadInput
+from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot, load_robot
 
 PLACED = 1e-8  # m, soles and centre of mass

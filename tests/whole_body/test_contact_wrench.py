@@ -10,7 +10,7 @@ import pytest
 from tests.control.walking import ROBOTS, parameters, records, robot
 from tests.reference.whole_body import contact_rows
 
-from gaitsmith.control.contact_wrench import CONTACT_ROWS, moment_axis, wrench_size
+from gaitsmith.whole_body.contact_wrench import CONTACT_ROWS, moment_axis, wrench_size
 
 Array = npt.NDArray[np.float64]
 

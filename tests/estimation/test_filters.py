@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitsmith.control.measurement import make_measurement
-from gaitsmith.control.sensor_filters import (
+from gaitsmith.estimation.filters import (
     correct_axis,
     filter_attitude,
     filter_joints,
@@ -16,6 +15,7 @@ from gaitsmith.control.sensor_filters import (
     make_estimator_state,
     predict_axis,
 )
+from gaitsmith.estimation.measurement import make_measurement
 from gaitsmith.robots.parameters import EstimatorParameters
 
 DT = 1e-3

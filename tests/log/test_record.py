@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation.record import Log, Recorder, field_names, read_log
+from gaitsmith.log.record import Log, Recorder, field_names, read_log
 
 COLUMNS = ("time", "torque.left_knee", "true.torso_x")
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 from gaitsmith.compiled import kernel
-from gaitsmith.control.frames import Legs
-from gaitsmith.control.quadratic_program import QuadraticProgram
-from gaitsmith.control.targets import TaskGains
+from gaitsmith.qp.quadratic_program import QuadraticProgram
+from gaitsmith.whole_body.frames import Legs
+from gaitsmith.whole_body.targets import TaskGains
 
 CONTACT_ROWS = 10  # of one sole: friction 4, ZMP along 2, ZMP across 2, yaw moment 2
 

@@ -7,12 +7,12 @@ through the dynamics.
 from __future__ import annotations
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.control.contact_wrench import moment_axis, wrench_size
-from gaitsmith.control.frames import Frames, Legs
-from gaitsmith.control.motion_map import MotionMap
-from gaitsmith.control.quadratic_program import QuadraticProgram
-from gaitsmith.control.targets import Targets, TaskGains
 from gaitsmith.dynamics.tree import TreeState
+from gaitsmith.qp.quadratic_program import QuadraticProgram
+from gaitsmith.whole_body.contact_wrench import moment_axis, wrench_size
+from gaitsmith.whole_body.forward_dynamics import MotionMap
+from gaitsmith.whole_body.frames import Frames, Legs
+from gaitsmith.whole_body.targets import Targets, TaskGains
 
 
 @kernel

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from numba.core.runtime import _nrt_python, rtsys
 
 from gaitsmith.compiled import Arena, bind, kernel
-from gaitsmith.control.quadratic_program import (
+from gaitsmith.errors import BadInput
+from gaitsmith.qp.quadratic_program import (
     INFEASIBLE,
     ITERATION_LIMIT,
     NOT_CONVEX,
@@ -22,7 +23,6 @@ from gaitsmith.control.quadratic_program import (
     residual,
     solve,
 )
-from gaitsmith.errors import BadInput
 
 Array = npt.NDArray[np.float64]
 

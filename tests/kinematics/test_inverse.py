@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gaitsmith.control.inverse_kinematics import (
+from gaitsmith.errors import BadInput
+from gaitsmith.kinematics.inverse import (
     LegKinematics,
     leg_forward,
     leg_step,
@@ -18,8 +19,7 @@ from gaitsmith.control.inverse_kinematics import (
     orientation_error,
     solve_leg,
 )
-from gaitsmith.control.quadratic_program import NOT_FINITE, OPTIMAL, make_quadratic_program
-from gaitsmith.errors import BadInput
+from gaitsmith.qp.quadratic_program import NOT_FINITE, OPTIMAL, make_quadratic_program
 from gaitsmith.robots import Robot, load_robot
 
 Array = npt.NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
-from gaitsmith.control.measurement import Measurement
+from gaitsmith.estimation.measurement import Measurement
 
 if TYPE_CHECKING:
     from gaitsmith.robots.parameters import EstimatorParameters

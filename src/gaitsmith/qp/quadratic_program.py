@@ -10,16 +10,16 @@ from __future__ import annotations
 import numpy as np
 
 from gaitsmith.compiled import kernel
-from gaitsmith.control._qp_dual import solve_dual
-from gaitsmith.control._qp_guess import accept_guess, prepare
-from gaitsmith.control._qp_storage import INFEASIBLE as INFEASIBLE
-from gaitsmith.control._qp_storage import ITERATION_LIMIT as ITERATION_LIMIT
-from gaitsmith.control._qp_storage import KEPT_MULTIPLIERS, KEPT_SOLUTION, METRIC
-from gaitsmith.control._qp_storage import NOT_CONVEX as NOT_CONVEX
-from gaitsmith.control._qp_storage import NOT_FINITE as NOT_FINITE
-from gaitsmith.control._qp_storage import OPTIMAL as OPTIMAL
-from gaitsmith.control._qp_storage import QuadraticProgram as QuadraticProgram
-from gaitsmith.control._qp_storage import make_quadratic_program as make_quadratic_program
+from gaitsmith.qp._dual import solve_dual
+from gaitsmith.qp._guess import accept_guess, prepare
+from gaitsmith.qp._storage import INFEASIBLE as INFEASIBLE
+from gaitsmith.qp._storage import ITERATION_LIMIT as ITERATION_LIMIT
+from gaitsmith.qp._storage import KEPT_MULTIPLIERS, KEPT_SOLUTION, METRIC
+from gaitsmith.qp._storage import NOT_CONVEX as NOT_CONVEX
+from gaitsmith.qp._storage import NOT_FINITE as NOT_FINITE
+from gaitsmith.qp._storage import OPTIMAL as OPTIMAL
+from gaitsmith.qp._storage import QuadraticProgram as QuadraticProgram
+from gaitsmith.qp._storage import make_quadratic_program as make_quadratic_program
 
 
 @kernel

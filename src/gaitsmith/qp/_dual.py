@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
-from gaitsmith.control._qp_storage import (
+from gaitsmith.qp._storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
     FORCE,

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.control.inverse_kinematics import LegKinematics, make_leg_kinematics, solve_leg
 from gaitsmith.dynamics.algorithms import update
 from gaitsmith.dynamics.tree import make_tree_state, read_tree
 from gaitsmith.errors import BadInput
+from gaitsmith.kinematics.inverse import LegKinematics, make_leg_kinematics, solve_leg
 from gaitsmith.robots import Robot
 
 Array = npt.NDArray[np.float64]

@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
-from gaitsmith.control.contact_wrench import CONTACT_ROWS, contact_bounds, moment_axis, wrench_size
-from gaitsmith.control.frames import Frames, Legs
-from gaitsmith.control.motion_map import WRENCH_VARIABLES, MotionMap, map_motion
-from gaitsmith.control.quadratic_program import QuadraticProgram, solve
-from gaitsmith.control.targets import Targets, TaskGains
-from gaitsmith.control.tasks import add_attitude, add_joint, add_stance, add_standing, add_swing
 from gaitsmith.dynamics.tree import TreeState
+from gaitsmith.qp.quadratic_program import QuadraticProgram, solve
+from gaitsmith.whole_body.contact_wrench import CONTACT_ROWS, contact_bounds, moment_axis, wrench_size
+from gaitsmith.whole_body.forward_dynamics import WRENCH_VARIABLES, MotionMap, map_motion
+from gaitsmith.whole_body.frames import Frames, Legs
+from gaitsmith.whole_body.targets import Targets, TaskGains
+from gaitsmith.whole_body.tasks import add_attitude, add_joint, add_stance, add_standing, add_swing
 
 _ITERATIONS = 60
 

@@ -8,17 +8,17 @@ world axis has its own filter with the state (position, velocity, accelerometer 
 from __future__ import annotations
 
 from gaitsmith.compiled import IntVector, Vector, kernel
-from gaitsmith.control.frames import Legs
-from gaitsmith.control.measurement import Measurement, is_usable
-from gaitsmith.control.sensor_filters import EstimatorGains as EstimatorGains
-from gaitsmith.control.sensor_filters import EstimatorState as EstimatorState
-from gaitsmith.control.sensor_filters import correct_axis, filter_attitude, filter_joints, predict_axis
-from gaitsmith.control.sensor_filters import make_estimator_gains as make_estimator_gains
-from gaitsmith.control.sensor_filters import make_estimator_state as make_estimator_state
 from gaitsmith.dynamics.contact import sole_pose
 from gaitsmith.dynamics.kinematics import move, place
 from gaitsmith.dynamics.points import point_velocity
 from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.estimation.filters import EstimatorGains as EstimatorGains
+from gaitsmith.estimation.filters import EstimatorState as EstimatorState
+from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_joints, predict_axis
+from gaitsmith.estimation.filters import make_estimator_gains as make_estimator_gains
+from gaitsmith.estimation.filters import make_estimator_state as make_estimator_state
+from gaitsmith.estimation.measurement import Measurement, is_usable
+from gaitsmith.whole_body.frames import Legs
 
 
 @kernel

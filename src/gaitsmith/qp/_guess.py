@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, kernel
-from gaitsmith.control._qp_storage import (
+from gaitsmith.qp._storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
     FORCE,

@@ -9,17 +9,17 @@ from numba.core.runtime import _nrt_python, rtsys
 from tests.control.synthetic_walk import DT, IDEAL, Sensors, Walk, synthetic_walk
 
 from gaitsmith.compiled import Arena, IntVector, Matrix, Vector, bind, kernel
-from gaitsmith.control.estimation import (
+from gaitsmith.dynamics import Tree, TreeState, make_tree_state
+from gaitsmith.estimation.estimator import (
     EstimatorGains,
     EstimatorState,
     estimate,
     make_estimator_gains,
     make_estimator_state,
 )
-from gaitsmith.control.frames import Legs
-from gaitsmith.control.measurement import Measurement, make_measurement
-from gaitsmith.dynamics import Tree, TreeState, make_tree_state
+from gaitsmith.estimation.measurement import Measurement, make_measurement
 from gaitsmith.robots.parameters import EstimatorParameters
+from gaitsmith.whole_body.frames import Legs
 
 CONTACT_FORCE = 30.0  # N
 LEVEL, SLOPE = (4.0, 0.4, 0.0), (1.6, 0.4, 0.04)  # duration, speed, climb a stride

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.control.contact_wrench import moment_axis, wrench_size
-from gaitsmith.control.frames import Frames, Legs
-from gaitsmith.control.targets import Targets
 from gaitsmith.dynamics.linear_algebra import cholesky, cholesky_solve_matrix
 from gaitsmith.dynamics.tree import TreeState
+from gaitsmith.whole_body.contact_wrench import moment_axis, wrench_size
+from gaitsmith.whole_body.frames import Frames, Legs
+from gaitsmith.whole_body.targets import Targets
 
 WRENCH_VARIABLES = 12  # of two rectangular soles
 

@@ -1,0 +1,1 @@
+"""One reader for documents that a stranger wrote: cards, scenarios, motions, gaits."""

@@ -1,0 +1,1 @@
+"""From sensor readings to the state: what is measured, filtered and estimated."""

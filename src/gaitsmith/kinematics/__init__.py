@@ -1,0 +1,1 @@
+"""Legs: forward kinematics, inverse kinematics, standing posture."""

@@ -1,0 +1,1 @@
+"""Small dense quadratic programs, solved from the last active set."""
