@@ -144,9 +144,17 @@ class Call(NamedTuple):
     bias: Vector
 
 
+class Bound(NamedTuple):
+    """All that the allocation test binds."""
+
+    tree: Tree
+    state: TreeState
+    work: Call
+
+
 @kernel
-def call(address: int, second: int, third: int, body: int, times: int) -> None:
-    tree, state, work = bind(Tree, address, 0), bind(TreeState, address, second), bind(Call, address, third)
+def call(address: int, body: int, times: int) -> None:
+    tree, state, work = bind(Bound, address)
     for _ in range(times):
         update(tree, state, work.q, work.v)
         point_jacobian(tree, state, body, work.point, work.jacobian)
@@ -157,8 +165,8 @@ def test_allocates_nothing():
     model = model_of("bhr_b2")
     tree = read_tree(model)
     work = Call(model.qpos0.copy(), np.ones(model.nv), np.ones(3), np.zeros((6, model.nv)), np.zeros(6))
-    arena = Arena(tree, make_tree_state(tree), work)
-    arguments = (arena.address, arena.first[1], arena.first[2], model.nbody - 1)
+    arena = Arena(Bound(tree, make_tree_state(tree), work))
+    arguments = (arena.address, model.nbody - 1)
     call(*arguments, 1)
     _nrt_python.memsys_enable_stats()
     before = rtsys.get_allocation_stats()

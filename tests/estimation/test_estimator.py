@@ -204,16 +204,21 @@ class Call(NamedTuple):
     v: Vector
 
 
-_CLASSES = (Tree, TreeState, Legs, EstimatorGains, EstimatorState, Measurement, Call)
-_FIRST = tuple(sum(len(cls._fields) for cls in _CLASSES[:k]) for k in range(len(_CLASSES)))
-_TREE, _TREE_STATE, _LEGS, _GAINS, _STATE, _MEASUREMENT, _CALL = _FIRST
+class Bound(NamedTuple):
+    """All that the allocation test binds."""
+
+    tree: Tree
+    tree_state: TreeState
+    legs: Legs
+    gains: EstimatorGains
+    state: EstimatorState
+    measurement: Measurement
+    work: Call
 
 
 @kernel
 def call(table: int, times: int) -> int:
-    tree, tree_state, legs = bind(Tree, table, _TREE), bind(TreeState, table, _TREE_STATE), bind(Legs, table, _LEGS)
-    gains, state = bind(EstimatorGains, table, _GAINS), bind(EstimatorState, table, _STATE)
-    measurement, work = bind(Measurement, table, _MEASUREMENT), bind(Call, table, _CALL)
+    tree, tree_state, legs, gains, state, measurement, work = bind(Bound, table)
     good = 0
     for _ in range(times):
         good += estimate(tree, tree_state, legs, gains, state, measurement, 1e-3, work.planned, work.q, work.v)
@@ -225,7 +230,7 @@ def test_allocates_nothing():
     setup = _setup(walk)
     _sense(setup.measurement, walk, 0, IDEAL, np.zeros(3), np.random.default_rng(0))
     work = Call(np.ones(2, dtype=np.int64), np.zeros(walk.q.shape[1]), np.zeros(walk.v.shape[1]))
-    arena = Arena(walk.tree, setup.tree_state, walk.legs, setup.gains, setup.state, setup.measurement, work)
+    arena = Arena(Bound(walk.tree, setup.tree_state, walk.legs, setup.gains, setup.state, setup.measurement, work))
     assert call(arena.address, 1) == 1
     _nrt_python.memsys_enable_stats()
     before = rtsys.get_allocation_stats()

@@ -251,9 +251,9 @@ def test_reports_what_cannot_be_solved() -> None:
 
 
 @kernel
-def solve_often(table: int, first: int, count: int) -> int:
+def solve_often(table: int, count: int) -> int:
     """Solve a bound problem again and again, every second time cold; returns how many were optimal."""
-    qp = bind(QuadraticProgram, table, first)
+    qp = bind(QuadraticProgram, table)
     good = 0
     for k in range(count):
         if k % 2 == 0:
@@ -267,11 +267,11 @@ def solve_often(table: int, first: int, count: int) -> int:
 def test_solving_allocates_nothing() -> None:
     """numba's allocation counters stand still over a thousand solves of a bound problem."""
     arena = Arena(random_problem(Kind(13, 10, 5, -2.0, 0.0, 0.2, False)))
-    solve_often(arena.address, arena.first[0], 2)
+    solve_often(arena.address, 2)
     _nrt_python.memsys_enable_stats()
     try:
         before = rtsys.get_allocation_stats()
-        assert solve_often(arena.address, arena.first[0], 1000) == 1000
+        assert solve_often(arena.address, 1000) == 1000
         after = rtsys.get_allocation_stats()
         assert (after.alloc, after.mi_alloc) == (before.alloc, before.mi_alloc)
     finally:

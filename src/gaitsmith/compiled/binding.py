@@ -7,7 +7,7 @@ kernel :func:`bind` rebuilds a named tuple from that table as plain structs with
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, TypeVar, get_type_hints
+from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -27,100 +27,131 @@ _Bound = TypeVar("_Bound", bound=tuple[Any, ...])
 
 
 class _Field(NamedTuple):
-    """How a named tuple's field lies in memory: scalar type and number of axes (0 for a value read at binding)."""
+    """How an array or scalar lies in memory: its type and number of axes (0 for a value read at binding)."""
 
     dtype: np.dtype[Any]
     axes: int
 
 
-def _fields(cls: type) -> list[_Field]:
-    """Memory layout of a named tuple's fields, from its annotations."""
-    found = []
+def _is_group(hint: Any) -> bool:
+    """Whether an annotation is a named tuple of its own."""
+    return isinstance(hint, type) and issubclass(hint, tuple) and hasattr(hint, "_fields")
+
+
+def _layout(cls: type) -> dict[str, Any]:
+    """Memory layout of a named tuple's fields, from its annotations: a :class:`_Field`, or the class of a group."""
+    found: dict[str, Any] = {}
     for name, hint in get_type_hints(cls, include_extras=True).items():
         if hint is float:
-            found.append(_Field(np.dtype(np.float64), 0))
+            found[name] = _Field(np.dtype(np.float64), 0)
         elif hint is int:
-            found.append(_Field(np.dtype(np.int64), 0))
+            found[name] = _Field(np.dtype(np.int64), 0)
+        elif _is_group(hint):
+            found[name] = hint
         elif hasattr(hint, "__metadata__"):
             is_int = hint in (IntVector, IntMatrix)
-            found.append(_Field(np.dtype(np.int64 if is_int else np.float64), hint.__metadata__[0]))
+            found[name] = _Field(np.dtype(np.int64 if is_int else np.float64), hint.__metadata__[0])
         else:
-            raise TypeError(f"{cls.__name__}.{name}: {hint!r} cannot be bound; use float, int, Vector, Matrix, Cube")
+            raise TypeError(f"{cls.__name__}.{name}: {hint!r} cannot be bound; use float, int, an array, a named tuple")
     return found
 
 
-@intrinsic
-def bind(typingctx: Any, cls: Any, table: Any, first: Any) -> Any:
-    """``bind(Class, table_address, first_index)`` inside a kernel: the named tuple stored there by an Arena.
+def _numba_type(cls: type) -> Any:
+    """The type of a bound named tuple inside a kernel."""
+    members = []
+    for field in _layout(cls).values():
+        if not isinstance(field, _Field):
+            members.append(_numba_type(field))
+            continue
+        scalar = types.float64 if field.dtype == np.float64 else types.int64
+        members.append(scalar if field.axes == 0 else types.Array(scalar, field.axes, "C"))
+    return types.NamedTuple(members, cls)
 
-    Array fields are views of the arena's memory; ``float`` and ``int`` fields are copies of its present value.
+
+def _size(cls: type) -> int:
+    """Table rows that a named tuple takes."""
+    return sum(1 if isinstance(field, _Field) else _size(field) for field in _layout(cls).values())
+
+
+def _rebuilt(context: Any, builder: Any, cls: type, rows: Any, first: int) -> Any:
+    """The named tuple whose fields start at row ``first`` of the table."""
+    word, values, at = ir.IntType(64), [], first
+    kind = _numba_type(cls)
+    for field, member in zip(_layout(cls).values(), kind.types, strict=True):
+        if not isinstance(field, _Field):
+            values.append(_rebuilt(context, builder, field, rows, at))
+            at += _size(field)
+            continue
+        words = [builder.load(builder.gep(rows, [word(_WORDS * at + k)])) for k in range(1 + field.axes)]
+        scalar = member if field.axes == 0 else member.dtype
+        data = builder.inttoptr(words[0], context.get_data_type(scalar).as_pointer())
+        at += 1
+        if field.axes == 0:
+            values.append(builder.load(data))
+            continue
+        array = arrayobj.make_array(member)(context, builder)
+        strides = [word(8)]
+        for extent in reversed(words[2:]):
+            strides.insert(0, builder.mul(strides[0], extent))
+        arrayobj.populate_array(
+            array,
+            data=data,
+            shape=cgutils.pack_array(builder, words[1:]),
+            strides=cgutils.pack_array(builder, strides),
+            itemsize=word(8),
+            meminfo=None,
+        )
+        values.append(array._getvalue())
+    return context.make_tuple(builder, kind, values)
+
+
+@intrinsic
+def bind(typingctx: Any, cls: Any, table: Any) -> Any:
+    """``bind(Class, table_address)`` inside a kernel: the named tuple that an :class:`Arena` keeps there.
+
+    Array fields are views of the arena's memory; ``float`` and ``int`` fields are copies of its present value; a
+    field that is a named tuple is bound the same way. What a kernel does not use costs nothing.
     """
     python_class = cls.instance_class
-    fields = _fields(python_class)
-    scalars = [types.float64 if f.dtype == np.float64 else types.int64 for f in fields]
-    members = [s if f.axes == 0 else types.Array(s, f.axes, "C") for f, s in zip(fields, scalars, strict=True)]
-    result = types.NamedTuple(members, python_class)
+    result = _numba_type(python_class)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        word = ir.IntType(64)
-        rows = builder.inttoptr(args[1], word.as_pointer())
-        values = []
-        for index, (field, scalar, member) in enumerate(zip(fields, scalars, members, strict=True)):
-            row = builder.mul(builder.add(args[2], word(index)), word(_WORDS))
-            words = [builder.load(builder.gep(rows, [builder.add(row, word(k))])) for k in range(1 + field.axes)]
-            data_type = context.get_data_type(scalar).as_pointer()
-            data = builder.inttoptr(words[0], data_type)
-            if field.axes == 0:
-                values.append(builder.load(data))
-                continue
-            array = arrayobj.make_array(member)(context, builder)
-            strides = [word(8)]
-            for extent in reversed(words[2:]):
-                strides.insert(0, builder.mul(strides[0], extent))
-            arrayobj.populate_array(
-                array,
-                data=data,
-                shape=cgutils.pack_array(builder, words[1:]),
-                strides=cgutils.pack_array(builder, strides),
-                itemsize=word(8),
-                meminfo=None,
-            )
-            values.append(array._getvalue())
-        return context.make_tuple(builder, signature.return_type, values)
+        rows = builder.inttoptr(args[1], ir.IntType(64).as_pointer())
+        return _rebuilt(context, builder, python_class, rows, 0)
 
-    return result(cls, types.int64, types.int64), codegen
+    return result(cls, types.int64), codegen
 
 
-class Arena:
+class Arena(Generic[_Bound]):
     """Owns the arrays of one kernel and the table that tells the kernel where they lie.
 
     Args:
-        groups: instances of named tuples whose annotations are ``float``, ``int``, or the array kinds of this
-            module. Arrays that are already C-contiguous with the right dtype are shared, not copied.
+        view: a named tuple whose annotations are ``float``, ``int``, the array kinds of this module, or named tuples
+            of these. Arrays that are already C-contiguous with the right dtype are shared, not copied.
 
     Attributes:
-        groups: the same tuples over the arena's own memory; a scalar field is a one-element array there, so that
-            ``arena.groups[k].gain[0] = 2.0`` reaches the kernel at its next call.
-        first: table index of every group, the third argument of :func:`bind`.
+        view: the same tuple over the arena's own memory; a scalar field is a one-element array there, so that
+            ``arena.view.gains.gain[0] = 2.0`` reaches the kernel at its next call.
         address: address of the table, the second argument of :func:`bind`.
     """
 
-    def __init__(self, *groups: tuple[Any, ...]) -> None:
-        self.groups: list[Any] = []
-        self.first: list[int] = []
-        rows: list[list[int]] = []
-        for group in groups:
-            self.first.append(len(rows))
-            kept = []
-            for name, field, value in zip(group._fields, _fields(type(group)), group, strict=True):  # type: ignore[attr-defined]
-                array = np.ascontiguousarray(value, dtype=field.dtype)
-                if array.ndim != max(field.axes, 1) or (field.axes == 0 and array.size != 1):
-                    raise TypeError(
-                        f"{type(group).__name__}.{name}: shape {np.shape(value)}, expected {field.axes} axes"
-                    )
-                kept.append(array)
-                extents = list(array.shape) if field.axes else []
-                rows.append([array.ctypes.data, *extents] + [0] * (_WORDS - 1 - len(extents)))
-            self.groups.append(type(group)(*kept))
-        self._table = np.array(rows, dtype=np.int64)
+    def __init__(self, view: _Bound) -> None:
+        self._rows: list[list[int]] = []
+        self.view: _Bound = self._kept(view)
+        self._table = np.array(self._rows, dtype=np.int64)
         self.address: int = self._table.ctypes.data
+
+    def _kept(self, group: Any) -> Any:
+        """The group over memory that the arena owns; its rows are added to the table."""
+        kept: list[Any] = []
+        for (name, field), value in zip(_layout(type(group)).items(), group, strict=True):
+            if not isinstance(field, _Field):
+                kept.append(self._kept(value))
+                continue
+            array = np.ascontiguousarray(value, dtype=field.dtype)
+            if array.ndim != max(field.axes, 1) or (field.axes == 0 and array.size != 1):
+                raise TypeError(f"{type(group).__name__}.{name}: shape {np.shape(value)}, expected {field.axes} axes")
+            kept.append(array)
+            extents = list(array.shape) if field.axes else []
+            self._rows.append([array.ctypes.data, *extents] + [0] * (_WORDS - 1 - len(extents)))
+        return type(group)(*kept)

@@ -107,8 +107,8 @@ class Controller:
             estimator=make_estimator_state(n_joints),
             telemetry=telemetry,
         )
-        self._arena = Arena(*groups)
-        self._groups = TickGroups(*self._arena.groups)
+        self._arena = Arena(groups)
+        self._groups = self._arena.view
         self._address = self._arena.address
         self.measurement: Measurement = self._groups.measurement
         self.telemetry: Telemetry = self._groups.telemetry

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import gaitsmith.control.layout as layout
 from gaitsmith.compiled import Vector, bind, kernel
-from gaitsmith.control.joint_torque import JointFeedback, bounded_torque
+from gaitsmith.control.joint_torque import bounded_torque
+from gaitsmith.control.layout import TickGroups
 from gaitsmith.control.phase import advance_phase
 from gaitsmith.control.references import (
     heading_to_torso,
@@ -15,22 +15,17 @@ from gaitsmith.control.references import (
     sole_target_rotation,
     swing_pitch,
 )
-from gaitsmith.control.state import ControlState, TickGains
-from gaitsmith.control.telemetry import Telemetry
-from gaitsmith.control.touchdown import TouchdownRule
+from gaitsmith.control.state import ControlState
 from gaitsmith.dynamics.algorithms import update
-from gaitsmith.dynamics.tree import Tree, TreeState
-from gaitsmith.estimation.estimator import EstimatorGains, EstimatorState, estimate
+from gaitsmith.dynamics.tree import TreeState
+from gaitsmith.estimation.estimator import estimate
 from gaitsmith.estimation.measurement import Measurement, is_usable
-from gaitsmith.kinematics.inverse import InverseKinematics, LegKinematics, leg_step
-from gaitsmith.qp.quadratic_program import QuadraticProgram
-from gaitsmith.template.foothold import FootholdGains, foothold_target, observe_motion, touchdown_velocity
-from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK, Gait, StepState
+from gaitsmith.kinematics.inverse import leg_step
+from gaitsmith.template.foothold import foothold_target, observe_motion, touchdown_velocity
+from gaitsmith.template.step import LEFT, RIGHT, STAND, WALK
 from gaitsmith.template.trajectory import support_height, swing_foot
-from gaitsmith.whole_body.forward_dynamics import MotionMap
-from gaitsmith.whole_body.frames import Frames, Legs, observe_frames
+from gaitsmith.whole_body.frames import Frames, observe_frames
 from gaitsmith.whole_body.solve import WholeBody, solve_whole_body
-from gaitsmith.whole_body.targets import Targets, TaskGains
 
 _DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
 
@@ -72,14 +67,15 @@ def _com_acceleration(tree_state: TreeState, frames: Frames, whole_body: WholeBo
 @kernel
 def _run_template(table: int) -> None:
     """Desired sole states of this tick; the foothold follows the CoM."""
-    tree_state = bind(TreeState, table, layout.TREE_STATE)
-    frames = bind(Frames, table, layout.FRAMES)
-    latched = bind(Gait, table, layout.LATCHED)
-    step = bind(StepState, table, layout.STEP)
-    foothold = bind(FootholdGains, table, layout.FOOTHOLD)
-    touchdown = bind(TouchdownRule, table, layout.TOUCHDOWN)
-    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
-    control = bind(ControlState, table, layout.CONTROL)
+    g = bind(TickGroups, table)
+    tree_state = g.tree_state
+    frames = g.frames
+    latched = g.latched
+    step = g.step
+    foothold = g.foothold
+    touchdown = g.touchdown
+    whole_body = g.whole_body
+    control = g.control
     stance = step.stance[0]
     swing = RIGHT if stance == LEFT else LEFT
     support_height(step, latched, control.support_curve)
@@ -125,8 +121,9 @@ def _run_template(table: int) -> None:
 @kernel
 def _restart_leg(table: int, leg: int) -> None:
     """Restart a leg's inverse kinematics from its measured joints (section 2.2, second rule)."""
-    legs = bind(Legs, table, layout.LEGS)
-    control = bind(ControlState, table, layout.CONTROL)
+    g = bind(TickGroups, table)
+    legs = g.legs
+    control = g.control
     for i in range(legs.joints.shape[1]):
         joint = legs.joints[leg, i]
         control.leg_reference[leg, i] = control.q[7 + joint]
@@ -136,19 +133,20 @@ def _restart_leg(table: int, leg: int) -> None:
 @kernel
 def _track_leg(table: int, leg: int) -> None:
     """One inverse-kinematics step of one leg towards its desired sole."""
-    tree_state = bind(TreeState, table, layout.TREE_STATE)
-    legs = bind(Legs, table, layout.LEGS)
-    frames = bind(Frames, table, layout.FRAMES)
-    latched = bind(Gait, table, layout.LATCHED)
-    step = bind(StepState, table, layout.STEP)
-    gains = bind(TickGains, table, layout.GAINS)
-    left_chain = bind(LegKinematics, table, layout.LEFT_CHAIN)
-    right_chain = bind(LegKinematics, table, layout.RIGHT_CHAIN)
-    left_inverse = bind(InverseKinematics, table, layout.LEFT_INVERSE)
-    right_inverse = bind(InverseKinematics, table, layout.RIGHT_INVERSE)
-    left_program = bind(QuadraticProgram, table, layout.LEFT_PROGRAM)
-    right_program = bind(QuadraticProgram, table, layout.RIGHT_PROGRAM)
-    control = bind(ControlState, table, layout.CONTROL)
+    g = bind(TickGroups, table)
+    tree_state = g.tree_state
+    legs = g.legs
+    frames = g.frames
+    latched = g.latched
+    step = g.step
+    gains = g.gains
+    left_chain = g.left_chain
+    right_chain = g.right_chain
+    left_inverse = g.left_inverse
+    right_inverse = g.right_inverse
+    left_program = g.left_program
+    right_program = g.right_program
+    control = g.control
     desired = control.foot_desired[3 * leg : 3 * leg + 3]
     heading_to_torso(tree_state, legs, frames, desired[0], True, control.target[0])
     heading_to_torso(tree_state, legs, frames, desired[1], False, control.target[1])
@@ -185,12 +183,13 @@ def _track_leg(table: int, leg: int) -> None:
 @kernel
 def _set_torque(table: int, solved: bool) -> None:
     """Eq. 27 with the stance or swing gains of each leg; without a solution the last torque decays."""
-    legs = bind(Legs, table, layout.LEGS)
-    step = bind(StepState, table, layout.STEP)
-    targets = bind(Targets, table, layout.TARGETS)
-    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
-    feedback = bind(JointFeedback, table, layout.FEEDBACK)
-    control = bind(ControlState, table, layout.CONTROL)
+    g = bind(TickGroups, table)
+    legs = g.legs
+    step = g.step
+    targets = g.targets
+    whole_body = g.whole_body
+    feedback = g.feedback
+    control = g.control
     walking = step.mode[0] == WALK
     for j in range(control.torque.shape[0]):
         limit = targets.torque_limit[j]
@@ -213,14 +212,15 @@ def _set_torque(table: int, solved: bool) -> None:
 @kernel
 def _report(table: int) -> None:
     """Fill the telemetry of this tick."""
-    frames = bind(Frames, table, layout.FRAMES)
-    latched = bind(Gait, table, layout.LATCHED)
-    step = bind(StepState, table, layout.STEP)
-    foothold = bind(FootholdGains, table, layout.FOOTHOLD)
-    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
-    measurement = bind(Measurement, table, layout.MEASUREMENT)
-    control = bind(ControlState, table, layout.CONTROL)
-    telemetry = bind(Telemetry, table, layout.TELEMETRY)
+    g = bind(TickGroups, table)
+    frames = g.frames
+    latched = g.latched
+    step = g.step
+    foothold = g.foothold
+    whole_body = g.whole_body
+    measurement = g.measurement
+    control = g.control
+    telemetry = g.telemetry
     out, control, step, frames = telemetry, control, step, frames
     stance = step.stance[0]
     out.time[0] = control.time[0]
@@ -271,9 +271,10 @@ def _report(table: int) -> None:
 @kernel
 def _report_wrench(table: int, leg: int) -> None:
     """Planned wrench and ZMP of one sole."""
-    frames = bind(Frames, table, layout.FRAMES)
-    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
-    telemetry = bind(Telemetry, table, layout.TELEMETRY)
+    g = bind(TickGroups, table)
+    frames = g.frames
+    whole_body = g.whole_body
+    telemetry = g.telemetry
     wrench = whole_body.wrench[leg]
     axes = frames.contact_rotation[leg]
     normal = moment_x = moment_y = 0.0
@@ -291,26 +292,27 @@ def _report_wrench(table: int, leg: int) -> None:
 @kernel
 def tick(table: int) -> None:
     """Advance the controller by one period; ``table`` is the address of its arena's table."""
-    tree = bind(Tree, table, layout.TREE)
-    tree_state = bind(TreeState, table, layout.TREE_STATE)
-    legs = bind(Legs, table, layout.LEGS)
-    frames = bind(Frames, table, layout.FRAMES)
-    requested = bind(Gait, table, layout.REQUESTED)
-    latched = bind(Gait, table, layout.LATCHED)
-    step = bind(StepState, table, layout.STEP)
-    foothold = bind(FootholdGains, table, layout.FOOTHOLD)
-    touchdown = bind(TouchdownRule, table, layout.TOUCHDOWN)
-    gains = bind(TickGains, table, layout.GAINS)
-    motion = bind(MotionMap, table, layout.MOTION)
-    task_gains = bind(TaskGains, table, layout.TASK_GAINS)
-    targets = bind(Targets, table, layout.TARGETS)
-    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
-    program = bind(QuadraticProgram, table, layout.PROGRAM)
-    measurement = bind(Measurement, table, layout.MEASUREMENT)
-    control = bind(ControlState, table, layout.CONTROL)
-    estimator_gains = bind(EstimatorGains, table, layout.ESTIMATOR_GAINS)
-    estimator = bind(EstimatorState, table, layout.ESTIMATOR)
-    telemetry = bind(Telemetry, table, layout.TELEMETRY)
+    g = bind(TickGroups, table)
+    tree = g.tree
+    tree_state = g.tree_state
+    legs = g.legs
+    frames = g.frames
+    requested = g.requested
+    latched = g.latched
+    step = g.step
+    foothold = g.foothold
+    touchdown = g.touchdown
+    gains = g.gains
+    motion = g.motion
+    task_gains = g.task_gains
+    targets = g.targets
+    whole_body = g.whole_body
+    program = g.program
+    measurement = g.measurement
+    control = g.control
+    estimator_gains = g.estimator_gains
+    estimator = g.estimator
+    telemetry = g.telemetry
     control.time[0] += gains.dt
     if control.estimated[0] == 1:
         usable = estimate(

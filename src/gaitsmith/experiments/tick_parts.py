@@ -7,27 +7,23 @@ from time import perf_counter_ns
 import numpy as np
 import numpy.typing as npt
 
-import gaitsmith.control.layout as layout
 from gaitsmith.compiled import bind, kernel
-from gaitsmith.control.state import ControlState
+from gaitsmith.control.layout import TickGroups
 from gaitsmith.dynamics.algorithms import update
-from gaitsmith.dynamics.tree import Tree, TreeState
-from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.simulation import Simulation
-from gaitsmith.whole_body.forward_dynamics import MotionMap
-from gaitsmith.whole_body.frames import Frames, Legs, observe_frames
-from gaitsmith.whole_body.solve import WholeBody, solve_whole_body
-from gaitsmith.whole_body.targets import Targets, TaskGains
+from gaitsmith.whole_body.frames import observe_frames
+from gaitsmith.whole_body.solve import solve_whole_body
 
 
 @kernel
 def _dynamics(table: int) -> None:
     """Rigid-body dynamics, frames and Jacobians once more; changes nothing."""
-    tree = bind(Tree, table, layout.TREE)
-    tree_state = bind(TreeState, table, layout.TREE_STATE)
-    legs = bind(Legs, table, layout.LEGS)
-    frames = bind(Frames, table, layout.FRAMES)
-    control = bind(ControlState, table, layout.CONTROL)
+    g = bind(TickGroups, table)
+    tree = g.tree
+    tree_state = g.tree_state
+    legs = g.legs
+    frames = g.frames
+    control = g.control
     update(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
 
@@ -35,14 +31,15 @@ def _dynamics(table: int) -> None:
 @kernel
 def _whole_body(table: int) -> None:
     """The whole-body QP once more, from its own active set; moves the torque that the next tick starts from."""
-    tree_state = bind(TreeState, table, layout.TREE_STATE)
-    legs = bind(Legs, table, layout.LEGS)
-    frames = bind(Frames, table, layout.FRAMES)
-    motion = bind(MotionMap, table, layout.MOTION)
-    task_gains = bind(TaskGains, table, layout.TASK_GAINS)
-    targets = bind(Targets, table, layout.TARGETS)
-    whole_body = bind(WholeBody, table, layout.WHOLE_BODY)
-    program = bind(QuadraticProgram, table, layout.PROGRAM)
+    g = bind(TickGroups, table)
+    tree_state = g.tree_state
+    legs = g.legs
+    frames = g.frames
+    motion = g.motion
+    task_gains = g.task_gains
+    targets = g.targets
+    whole_body = g.whole_body
+    program = g.program
     solve_whole_body(program, tree_state, legs, targets, frames, task_gains, motion, whole_body)
 
 

@@ -95,6 +95,14 @@ class Kept(NamedTuple):
     last: Vector
 
 
+class Watched(NamedTuple):
+    """All that the monitor's kernel reads and writes."""
+
+    seen: Seen
+    bounds: Bounds
+    kept: Kept
+
+
 @kernel
 def _limits_hit(seen: Seen, bounds: Bounds, kept: Kept, hit: IntVector) -> None:
     """Fill one row of the ring of limits."""
@@ -128,11 +136,10 @@ def _limits_hit(seen: Seen, bounds: Bounds, kept: Kept, hit: IntVector) -> None:
 
 
 @kernel
-def _watch(address: int, seen_at: int, bounds_at: int, kept_at: int) -> int:
+def _watch(address: int) -> int:
     """One tick; returns UPRIGHT or the kind of fall."""
-    seen = bind(Seen, address, seen_at)
-    bounds = bind(Bounds, address, bounds_at)
-    kept = bind(Kept, address, kept_at)
+    watched = bind(Watched, address)
+    seen, bounds, kept = watched.seen, watched.bounds, watched.kept
     tick = kept.ticks[0]
     _limits_hit(seen, bounds, kept, kept.limits[tick % MEMORY])
     for j in range(bounds.torque.shape[0]):
@@ -211,16 +218,16 @@ class Monitor:
             torque_saturated=np.zeros(nj),
             last=np.zeros(3),
         )
-        self._arena = Arena(seen, bounds, kept)
-        for shared, given in zip(self._arena.groups[0], seen, strict=True):
+        self._arena = Arena(Watched(seen, bounds, kept))
+        for shared, given in zip(self._arena.view.seen, seen, strict=True):
             if not np.shares_memory(shared, given):
                 raise TypeError("the controller's telemetry must be float64 views of one buffer")
-        self.kept: Kept = self._arena.groups[2]
-        self._handle = (self._arena.address, *self._arena.first)
+        self.kept: Kept = self._arena.view.kept
+        self._address = self._arena.address
 
     def watch(self) -> int:
         """Take note of the present tick; returns UPRIGHT or the kind of fall."""
-        state: int = _watch(*self._handle)
+        state: int = _watch(self._address)
         return DIVERGED if self._plant.diverged else state
 
     @property

@@ -18,7 +18,9 @@ from gaitsmith.simulation.truth import (
     OBSERVED,
     Account,
     Geometry,
+    PlantArrays,
     Readings,
+    SensorArrays,
     World,
     apply_torque,
     observe,
@@ -117,12 +119,12 @@ class Plant:
             extremes=np.array([np.inf, 0.0]),
             counts=np.zeros(4, dtype=np.int64),
         )
-        self._arena = Arena(world, geometry, account)
-        for kept, given in zip(self._arena.groups[0], world, strict=True):
+        self._arena = Arena(PlantArrays(world, geometry, account))
+        for kept, given in zip(self._arena.view.world, world, strict=True):
             if not np.shares_memory(kept, given):
                 raise PlantError("the physics engine's arrays cannot be shared with the kernels")
-        self._account: Account = self._arena.groups[2]
-        self._handle = (self._arena.address, *self._arena.first)
+        self._account: Account = self._arena.view.account
+        self._address = self._arena.address
         self.observed = self._account.observed
         self._measured: Measurement | None = None
 
@@ -157,17 +159,17 @@ class Plant:
         self._first_torque = True
         self.time = 0.0
         self._ticks = 0
-        track(*self._handle)
+        track(self._address)
         account.counts[2] = 0
         account.extremes[0] = self.observed[19]
         self.restart_excursion()
-        observe(*self._handle)
+        observe(self._address)
 
     def refresh(self) -> None:
         """Observe anew after ``q`` or ``v`` have been written to; counts and extremes go on."""
         mujoco.mj_forward(self._model, self._data)
-        track(*self._handle)
-        observe(*self._handle)
+        track(self._address)
+        observe(self._address)
 
     def restart_excursion(self) -> None:
         """Count the torso's excursion from where it is now."""
@@ -188,20 +190,20 @@ class Plant:
 
     def step(self, torque: npt.NDArray[np.float64]) -> None:
         """Apply joint torques (nj,) for one control period, N·m in joint order, and observe what comes of it."""
-        account, handle, model, data = self._account, self._handle, self._model, self._data
+        account, address, model, data = self._account, self._address, self._model, self._data
         account.torque[:] = torque
         if self._first_torque:
             account.delayed[:] = torque
             self._first_torque = False
         try:
             for _ in range(self._substeps):
-                apply_torque(*handle)
+                apply_torque(address)
                 mujoco.mj_step2(model, data)
                 mujoco.mj_step1(model, data)
-                track(*handle)
+                track(address)
         except mujoco.FatalError as error:
             raise PlantError(f"physics engine stopped at {self.time:.3f} s: {error}") from None
-        observe(*handle)
+        observe(address)
         self._ticks += 1
         self.time = self._ticks * self.control_step
 
@@ -219,16 +221,18 @@ class Plant:
                 self._noise_rows = iter(next(self._noise))
                 row = next(self._noise_rows)
             self._noise_row[:] = row
-        read_sensors(self._readings_address, 0, self._readings_at, self._noise is not None)
+        read_sensors(self._readings_address, self._noise is not None)
 
     def _bind_measurement(self, into: Measurement) -> None:
         """Share a measurement's arrays with the kernel."""
         noise = np.zeros(9 + len(self._robot.joint_names))
         bias = self._sensors.bias(self._seed) if self._sensors else np.zeros(3)
         step = self._sensors.encoder_step if self._sensors else 0.0
-        self._readings = Arena(self._arena.groups[0], Readings(*into, noise=noise, bias=bias, encoder_step=step))
-        self._readings_address, self._readings_at = self._readings.address, self._readings.first[1]
-        self._noise_row: npt.NDArray[np.float64] = self._readings.groups[1].noise
+        self._readings = Arena(
+            SensorArrays(self._arena.view.world, Readings(*into, noise=noise, bias=bias, encoder_step=step))
+        )
+        self._readings_address = self._readings.address
+        self._noise_row: npt.NDArray[np.float64] = self._readings.view.readings.noise
         self._measured = into
 
     def push(self, force: npt.ArrayLike, body: str | None = None) -> None:

@@ -86,6 +86,21 @@ class Readings(NamedTuple):
     encoder_step: float
 
 
+class PlantArrays(NamedTuple):
+    """All that the plant's kernels read and write."""
+
+    world: World
+    geometry: Geometry
+    account: Account
+
+
+class SensorArrays(NamedTuple):
+    """What a measurement is read from and written to."""
+
+    world: World
+    readings: Readings
+
+
 @kernel
 def _sole_height(world: World, geometry: Geometry, leg: int, place: Vector) -> None:
     """World position of a sole frame's origin, into ``place`` (3)."""
@@ -97,11 +112,10 @@ def _sole_height(world: World, geometry: Geometry, leg: int, place: Vector) -> N
 
 
 @kernel
-def apply_torque(address: int, world_at: int, geometry_at: int, account_at: int) -> None:
+def apply_torque(address: int) -> None:
     """Put the torque that has come through the delay on the joints, within their limits, for one physics step."""
-    world = bind(World, address, world_at)
-    geometry = bind(Geometry, address, geometry_at)
-    account = bind(Account, address, account_at)
+    plant = bind(PlantArrays, address)
+    world, geometry, account = plant.world, plant.geometry, plant.account
     rows = account.delayed.shape[0]
     head = (account.head[0] + 1) % rows
     tail = (head + 1) % rows
@@ -114,11 +128,10 @@ def apply_torque(address: int, world_at: int, geometry_at: int, account_at: int)
 
 
 @kernel
-def track(address: int, world_at: int, geometry_at: int, account_at: int) -> None:
+def track(address: int) -> None:
     """After a physics step: foot separation, torso excursion, leg contacts, and whether the state is finite."""
-    world = bind(World, address, world_at)
-    geometry = bind(Geometry, address, geometry_at)
-    account = bind(Account, address, account_at)
+    plant = bind(PlantArrays, address)
+    world, geometry, account = plant.world, plant.geometry, plant.account
     observed = account.observed
     _sole_height(world, geometry, 0, observed[11:14])
     _sole_height(world, geometry, 1, observed[14:17])
@@ -148,11 +161,10 @@ def track(address: int, world_at: int, geometry_at: int, account_at: int) -> Non
 
 
 @kernel
-def observe(address: int, world_at: int, geometry_at: int, account_at: int) -> None:
+def observe(address: int) -> None:
     """Fill the observed columns that are wanted once a control tick; :func:`track` has filled the others."""
-    world = bind(World, address, world_at)
-    geometry = bind(Geometry, address, geometry_at)
-    account = bind(Account, address, account_at)
+    plant = bind(PlantArrays, address)
+    world, geometry, account = plant.world, plant.geometry, plant.account
     observed = account.observed
     torso = geometry.torso
     rotation = world.xmat[torso]
@@ -187,10 +199,10 @@ def observe(address: int, world_at: int, geometry_at: int, account_at: int) -> N
 
 
 @kernel
-def read_sensors(address: int, world_at: int, readings_at: int, noisy: int) -> None:
+def read_sensors(address: int, noisy: int) -> None:
     """Fill a measurement: the true state, or, if ``noisy``, what the sensors say (and nothing they cannot know)."""
-    world = bind(World, address, world_at)
-    out = bind(Readings, address, readings_at)
+    sensors = bind(SensorArrays, address)
+    world, out = sensors.world, sensors.readings
     nj = out.joint_position.shape[0]
     for i in range(3):
         out.accelerometer[i] = world.imu_readings[i]
