@@ -51,6 +51,17 @@ def test_internal_torques_do_not_change_momentum():
     np.testing.assert_allclose(momentum(plant) - before, [0, 0, -fell], atol=MOMENTUM_TOLERANCE)
 
 
+def test_a_heavier_robot_weighs_more_on_the_ground():
+    heavier = Plant(robot(), mass_factor=1.1)
+    uneven = [Plant(robot(), mass_spread=0.05, seed=seed)._model.body_mass[1:] for seed in (0, 0, 1)]
+    np.testing.assert_allclose(heavier._model.body_subtreemass[0], 1.1 * robot().mass)
+    np.testing.assert_allclose(heavier._model.body_inertia, 1.1 * robot().model.body_inertia)
+    ratio = uneven[0] / robot().model.body_mass[1:]
+    assert 0.0 < np.max(np.abs(ratio - 1.0)) <= 0.05
+    assert np.array_equal(uneven[0], uneven[1])
+    assert not np.array_equal(uneven[0], uneven[2])
+
+
 def test_flight_without_torque_keeps_energy_to_first_order():
     lost = []
     for physics_step in (5e-4, 1.25e-4):

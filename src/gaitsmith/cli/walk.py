@@ -65,6 +65,10 @@ class WalkArguments:
     """From torque command to joint, s."""
     friction: Annotated[float | None, number("--friction", "MU")] = None
     """Coulomb coefficient between sole and ground."""
+    mass_factor: Annotated[float | None, number("--mass-factor", "X")] = None
+    """On every mass and inertia of the plant; the controller keeps the card's."""
+    mass_spread: Annotated[float | None, number("--mass-spread", "X")] = None
+    """Each body's masses differ by up to this share besides, drawn from the seed."""
     rest_before: Annotated[float | None, number("--rest-before", "S")] = None
     """Standing on both feet before the walk, s."""
     rest_after: Annotated[float | None, number("--rest-after", "S")] = None

@@ -93,6 +93,8 @@ class Simulation:
             joint_friction=scenario.joint_friction,
             torque_delay=scenario.torque_delay,
             friction=scenario.friction,
+            mass_factor=scenario.mass_factor,
+            mass_spread=scenario.mass_spread,
             seed=scenario.seed,
             region=scenario.region(),
         )

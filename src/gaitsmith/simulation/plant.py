@@ -50,6 +50,8 @@ class Plant:
         joint_friction: Coulomb friction at every joint, N·m.
         torque_delay: from command to joint, s, in whole physics steps.
         friction: Coulomb coefficient between sole and ground.
+        mass_factor: on every mass and inertia of the robot.
+        mass_spread: each body's mass and inertia differ by up to this share besides, drawn from the seed.
         seed: of everything random.
         region: where boxes or a slope are needed; beyond it boxes give way to the level plane.
         physics_step: s.
@@ -71,6 +73,8 @@ class Plant:
         joint_friction: float = 0.0,
         torque_delay: float = 0.0,
         friction: float = 0.8,
+        mass_factor: float = 1.0,
+        mass_spread: float = 0.0,
         seed: int = 0,
         region: Region | None = None,
         physics_step: float = 5e-4,
@@ -87,6 +91,8 @@ class Plant:
         _add_ground(spec, terrain or Terrain(), region or Region(), friction)
         self._model, self._contact_at, self._imu_at = _compile(spec, robot, joint_friction)
         self._data = mujoco.MjData(self._model)
+        if mass_factor != 1.0 or mass_spread != 0.0:
+            _change_masses(self._model, self._data, mass_factor, mass_spread, seed)
         self._noise = sensors.blocks(len(robot.joint_names), seed) if sensors else None
         self._sensors = sensors
         self._seed = seed
@@ -355,6 +361,14 @@ def _compile(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[
         model.dof_solref[6:] = _SOLREF
         model.dof_solimp[6:, :2] = _STICTION
     return model, int(model.sensor_adr[n_before]), int(model.sensor_adr[n_imu])
+
+
+def _change_masses(model: mujoco.MjModel, data: mujoco.MjData, factor: float, spread: float, seed: int) -> None:
+    """Multiply every body's mass and inertia by ``factor (1 ± spread)``."""
+    draws = np.random.default_rng([seed, 0xB3]).uniform(-spread, spread, model.nbody)
+    model.body_mass[:] *= factor * (1.0 + draws)
+    model.body_inertia[:] *= (factor * (1.0 + draws))[:, None]
+    mujoco.mj_setConst(model, data)
 
 
 heard: list[str] = []

@@ -96,6 +96,8 @@ class Scenario(Command):
         joint_friction: Coulomb friction of every joint, N·m.
         torque_delay: from command to joint, s.
         friction: Coulomb coefficient between sole and ground.
+        mass_factor: on every mass and inertia of the plant; the controller keeps the card's.
+        mass_spread: each body's masses differ by up to this share besides, drawn from the seed.
     """
 
     robot: Annotated[str, Field(min_length=1, max_length=1000)] = "bhr_b2"
@@ -112,6 +114,8 @@ class Scenario(Command):
     joint_friction: Annotated[float, Field(ge=0.0, le=100.0, allow_inf_nan=False)] = 0.0
     torque_delay: Annotated[float, Field(ge=0.0, le=0.1, allow_inf_nan=False)] = 0.0
     friction: Annotated[float, Field(ge=0.05, le=5.0, allow_inf_nan=False)] = 0.8
+    mass_factor: Annotated[float, Field(ge=0.5, le=2.0, allow_inf_nan=False)] = 1.0
+    mass_spread: Annotated[float, Field(ge=0.0, le=0.5, allow_inf_nan=False)] = 0.0
 
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
