@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gaitsmith.compiled import Arena, Cube, IntVector, Matrix, bind, kernel
-from gaitsmith.dynamics import Tree, TreeState, make_tree_state, point_bias, point_jacobian, read_tree, update
+from gaitsmith.dynamics import Tree, TreeState, make_tree_state, point_bias, point_jacobian, read_tree, update_dynamics
 from gaitsmith.robots import load_robot
 
 BATCH = 20  # short enough that another process seldom interrupts one
@@ -45,7 +45,7 @@ _WORK = _STATE + len(TreeState._fields)
 @kernel
 def run(table: int, row: int) -> None:
     tree, state, work = bind(Tree, table, 0), bind(TreeState, table, _STATE), bind(Work, table, _WORK)
-    update(tree, state, work.q[row], work.v[row])
+    update_dynamics(tree, state, work.q[row], work.v[row])
     for k in range(2):
         point_jacobian(tree, state, work.body[k], work.point[k], work.jacobian[k])
         point_bias(tree, state, work.body[k], work.point[k], work.bias[k])

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector
-from gaitsmith.dynamics import Tree, make_tree_state, point_jacobian, read_tree, sole_pose, update
+from gaitsmith.dynamics import Tree, make_tree_state, point_jacobian, read_tree, sole_pose, update_dynamics
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.whole_body.frames import Legs, make_legs
 
@@ -105,7 +105,7 @@ def synthetic_walk(duration: float, speed: float = 0.4, climb: float = 0.0) -> W
         spin = now[1].T @ (after[1] - before[1]) / (2 * _NEAR)
         v[:6] = *((after[0] - before[0]) / (2 * _NEAR)), spin[2, 1], spin[0, 2], spin[1, 0]
         for _ in range(10):
-            update(tree, state, q, v)
+            update_dynamics(tree, state, q, v)
             worst = 0.0
             for leg in range(2):
                 columns = 6 + legs.joints[leg]

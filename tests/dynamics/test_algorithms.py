@@ -12,7 +12,7 @@ from tests.dynamics.pinocchio_model import evaluate
 from tests.dynamics.trees import NAMES, model_of, random_state, relative_error, shifted
 
 from gaitsmith.compiled import Arena, Matrix, Vector, bind, kernel
-from gaitsmith.dynamics import Tree, TreeState, make_tree_state, point_bias, point_jacobian, read_tree, update
+from gaitsmith.dynamics import Tree, TreeState, make_tree_state, point_bias, point_jacobian, read_tree, update_dynamics
 
 ORACLE = 1e-9  # relative; what the specification asks, rounding is near 1e-15
 STEP = 1e-5  # s; central differences of second order, so their own error is near 1e-9
@@ -75,11 +75,11 @@ def test_bias_does_the_work_that_the_kinetic_energy_gains(name):
     """While v is constant, d/dt (½ vᵀ M v) = vᵀ (bias - gravity)."""
     model, _, tree, state, q, v = random_state(name, 2)
     bias = state.bias.copy()
-    update(tree, state, q, np.zeros(model.nv))
+    update_dynamics(tree, state, q, np.zeros(model.nv))
     gained = v @ (bias - state.bias)
     energy = []
     for step in (-STEP, STEP):
-        update(tree, state, shifted(model, q, v, step), v)
+        update_dynamics(tree, state, shifted(model, q, v, step), v)
         energy.append(0.5 * v @ state.mass_matrix @ v)
     assert gained == pytest.approx((energy[1] - energy[0]) / (2.0 * STEP), rel=DIFFERENCE)
 
@@ -87,7 +87,7 @@ def test_bias_does_the_work_that_the_kinetic_energy_gains(name):
 @names
 def test_gravity_pulls_at_the_centre_of_mass(name):
     model, _, tree, state, q, _ = random_state(name, 3)
-    update(tree, state, q, np.zeros(model.nv))
+    update_dynamics(tree, state, q, np.zeros(model.nv))
     assert relative_error(state.bias, -tree.total_mass * state.com_jacobian.T @ tree.gravity) < ORACLE
 
 
@@ -97,7 +97,7 @@ def test_centre_of_mass_moves_as_its_jacobian_says(name):
     velocity, bias = state.com_jacobian @ v, state.com_bias.copy()
     places, velocities = [], []
     for step in (-STEP, STEP):
-        update(tree, state, shifted(model, q, v, step), v)
+        update_dynamics(tree, state, shifted(model, q, v, step), v)
         places.append(state.com.copy())
         velocities.append(state.com_jacobian @ v)
     assert relative_error((places[1] - places[0]) / (2.0 * STEP), velocity) < DIFFERENCE
@@ -109,7 +109,7 @@ def test_far_from_the_origin_nothing_is_lost():
     q = near.q.copy()
     q[:2] += 1000.0
     far = make_tree_state(near.tree)
-    update(near.tree, far, q, near.v)
+    update_dynamics(near.tree, far, q, near.v)
     assert relative_error(far.mass_matrix, near.state.mass_matrix) < ORACLE
     assert relative_error(far.bias, near.state.bias) < ORACLE
 
@@ -119,19 +119,19 @@ def test_quaternions_of_any_length_mean_the_same():
     scaled = q.copy()
     scaled[3:7] *= 7.0
     other = make_tree_state(tree)
-    update(tree, other, scaled, v)
+    update_dynamics(tree, other, scaled, v)
     assert relative_error(other.mass_matrix, state.mass_matrix) < ORACLE
     scaled[3:7] = 0.0
-    update(tree, other, scaled, v)
+    update_dynamics(tree, other, scaled, v)
     np.testing.assert_array_equal(other.body_rotation[1], np.eye(3))
 
 
 def test_a_new_robot_compiles_nothing():
     random_state(NAMES[0], 0)
-    known = len(update.signatures)
+    known = len(update_dynamics.signatures)
     for name in NAMES:
         random_state(name, 0)
-    assert len(update.signatures) == known == 1
+    assert len(update_dynamics.signatures) == known == 1
 
 
 class Call(NamedTuple):
@@ -156,7 +156,7 @@ class Bound(NamedTuple):
 def call(address: int, body: int, times: int) -> None:
     tree, state, work = bind(Bound, address)
     for _ in range(times):
-        update(tree, state, work.q, work.v)
+        update_dynamics(tree, state, work.q, work.v)
         point_jacobian(tree, state, body, work.point, work.jacobian)
         point_bias(tree, state, body, work.point, work.bias)
 

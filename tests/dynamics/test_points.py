@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.dynamics.pinocchio_model import evaluate
 from tests.dynamics.trees import NAMES, State, random_state, relative_error, shifted
 
-from gaitsmith.dynamics import point_bias, point_jacobian, point_velocity, update
+from gaitsmith.dynamics import point_bias, point_jacobian, point_velocity, update_dynamics
 
 ORACLE = 1e-9  # relative; what the specification asks, rounding is near 1e-15
 STEP = 1e-5  # s; central differences of second order, so their own error is near 1e-9
@@ -66,12 +66,12 @@ def test_velocity_is_the_jacobian_times_v(name):
 def test_jacobian_and_bias_are_the_derivatives(name):
     now = random_state(name, 2)
     for body in range(1, now.model.nbody):
-        update(now.tree, now.state, now.q, now.v)
+        update_dynamics(now.tree, now.state, now.q, now.v)
         velocity, bias = _jacobian(now, body) @ now.v, _bias(now, body)
         turn = now.state.body_rotation[body].copy()
         places, turns, velocities = [], [], []
         for step in (-STEP, STEP):
-            update(now.tree, now.state, shifted(now.model, now.q, now.v, step), now.v)
+            update_dynamics(now.tree, now.state, shifted(now.model, now.q, now.v, step), now.v)
             places.append(_point(now, body))
             turns.append(now.state.body_rotation[body].copy())
             velocities.append(_jacobian(now, body) @ now.v)

@@ -11,7 +11,7 @@ import numpy as np
 
 import gaitsmith
 from gaitsmith.compiled import Matrix, Vector
-from gaitsmith.dynamics import Tree, TreeState, make_tree_state, read_tree, update
+from gaitsmith.dynamics import Tree, TreeState, make_tree_state, read_tree, update_dynamics
 
 _ROBOTS = Path(gaitsmith.__file__).parent / "robots"
 _MODELS = Path(__file__).parent.parent / "models"
@@ -82,7 +82,7 @@ def random_state(name: str, seed: int) -> State:
     mujoco.mj_subtreeVel(model, data)
     tree = read_tree(model)
     state = make_tree_state(tree)
-    update(tree, state, q, v)
+    update_dynamics(tree, state, q, v)
     return State(model, data, tree, state, q, v)
 
 

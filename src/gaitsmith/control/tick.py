@@ -16,7 +16,7 @@ from gaitsmith.control.references import (
     swing_pitch,
 )
 from gaitsmith.control.state import ControlState
-from gaitsmith.dynamics.algorithms import update
+from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.dynamics.tree import TreeState
 from gaitsmith.estimation.estimator import estimate
 from gaitsmith.estimation.measurement import Measurement, is_usable
@@ -336,7 +336,7 @@ def tick(table: int) -> None:
         for j in range(control.torque.shape[0]):
             telemetry.torque[j] = control.torque[j]
         return
-    update(tree, tree_state, control.q, control.v)
+    update_dynamics(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
     at_rest = step.mode[0] == STAND
     switched = advance_phase(

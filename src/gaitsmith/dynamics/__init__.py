@@ -1,6 +1,6 @@
 """Rigid-body dynamics of a floating-base tree, compiled once for all robots."""
 
-from gaitsmith.dynamics.algorithms import update as update
+from gaitsmith.dynamics.algorithms import update_dynamics as update_dynamics
 from gaitsmith.dynamics.contact import sole_corners as sole_corners
 from gaitsmith.dynamics.contact import sole_pose as sole_pose
 from gaitsmith.dynamics.contact import support_polygon as support_polygon

@@ -22,7 +22,7 @@ def sole_pose(
 
     Args:
         tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update`.
+        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
         body: number of the body that carries the sole.
         position: (3,) origin of the sole frame in body axes, m.
         rotation: (3, 3) sole axes to body axes.

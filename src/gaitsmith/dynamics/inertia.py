@@ -10,7 +10,7 @@ from gaitsmith.dynamics.tree import Tree, TreeState
 
 
 @kernel
-def weigh(tree: Tree, state: TreeState) -> None:
+def body_inertia_and_force(tree: Tree, state: TreeState) -> None:
     """Fill ``composite`` and ``force`` with every body's own inertia and force (no subtree yet)."""
     g0, g1, g2 = tree.gravity[0], tree.gravity[1], tree.gravity[2]
     for body in range(1, len(tree.body_parent)):
@@ -61,7 +61,7 @@ def weigh(tree: Tree, state: TreeState) -> None:
 
 
 @kernel
-def gather(tree: Tree, state: TreeState) -> None:
+def accumulate_subtrees(tree: Tree, state: TreeState) -> None:
     """Add every body's inertia and force to its parent's, so that both hold whole subtrees; body 0 gets the total."""
     composite, force = state.composite, state.force
     for k in range(10):
@@ -77,7 +77,7 @@ def gather(tree: Tree, state: TreeState) -> None:
 
 
 @kernel
-def project(tree: Tree, state: TreeState, v: Vector) -> None:
+def mass_matrix_and_bias(tree: Tree, state: TreeState, v: Vector) -> None:
     """Fill ``mass_matrix``, ``bias`` and everything about the centre of mass from the gathered subtrees."""
     s, mass_matrix, jacobian = state.motion, state.mass_matrix, state.com_jacobian
     total = tree.total_mass

@@ -2,62 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.dynamics.rotation import axis_angle_entries, product_entries, rotation_entries
 from gaitsmith.dynamics.tree import BALL, FREE, HINGE, SLIDE, Tree, TreeState
-
-
-@kernel
-def rotation_entries(w: float, x: float, y: float, z: float) -> tuple[float, ...]:
-    """The nine entries, row by row, of a quaternion's rotation matrix; any length, zero counts as no rotation."""
-    norm = w * w + x * x + y * y + z * z
-    s = 2.0 / norm if norm > 1e-300 else 0.0
-    return (
-        1.0 - s * (y * y + z * z),
-        s * (x * y - w * z),
-        s * (x * z + w * y),
-        s * (x * y + w * z),
-        1.0 - s * (x * x + z * z),
-        s * (y * z - w * x),
-        s * (x * z - w * y),
-        s * (y * z + w * x),
-        1.0 - s * (x * x + y * y),
-    )
-
-
-@kernel
-def product_entries(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
-    """Entries, row by row, of the product of two 3 x 3 matrices given in the same way."""
-    return (
-        a[0] * b[0] + a[1] * b[3] + a[2] * b[6],
-        a[0] * b[1] + a[1] * b[4] + a[2] * b[7],
-        a[0] * b[2] + a[1] * b[5] + a[2] * b[8],
-        a[3] * b[0] + a[4] * b[3] + a[5] * b[6],
-        a[3] * b[1] + a[4] * b[4] + a[5] * b[7],
-        a[3] * b[2] + a[4] * b[5] + a[5] * b[8],
-        a[6] * b[0] + a[7] * b[3] + a[8] * b[6],
-        a[6] * b[1] + a[7] * b[4] + a[8] * b[7],
-        a[6] * b[2] + a[7] * b[5] + a[8] * b[8],
-    )
-
-
-@kernel
-def _about_axis(x: float, y: float, z: float, angle: float) -> tuple[float, ...]:
-    """Rotation by ``angle`` about a unit axis (Rodrigues' formula)."""
-    s, c = math.sin(angle), math.cos(angle)
-    k = 1.0 - c
-    return (
-        c + k * x * x,
-        k * x * y - s * z,
-        k * x * z + s * y,
-        k * x * y + s * z,
-        c + k * y * y,
-        k * y * z - s * x,
-        k * x * z - s * y,
-        k * y * z + s * x,
-        c + k * z * z,
-    )
 
 
 @kernel
@@ -81,7 +28,7 @@ def _set_sliding(motion: Matrix, dof: int, x: float, y: float, z: float) -> None
 
 
 @kernel
-def place(tree: Tree, state: TreeState, q: Vector) -> None:
+def forward_kinematics(tree: Tree, state: TreeState, q: Vector) -> None:
     """Fill ``body_rotation``, ``body_position``, ``reference`` and ``motion`` from the configuration q."""
     rotation, position, motion = state.body_rotation, state.body_position, state.motion
     first_is_free = tree.joint_kind[0] == FREE
@@ -129,7 +76,7 @@ def place(tree: Tree, state: TreeState, q: Vector) -> None:
             cz = pz + r[6] * ax + r[7] * ay + r[8] * az
             if kind == HINGE:
                 _set_turning(motion, dof, wx, wy, wz, cx - rx, cy - ry, cz - rz)
-                r = product_entries(r, _about_axis(x, y, z, q[i] - tree.joint_zero[joint]))
+                r = product_entries(r, axis_angle_entries(x, y, z, q[i] - tree.joint_zero[joint]))
             else:
                 r = product_entries(r, rotation_entries(q[i], q[i + 1], q[i + 2], q[i + 3]))
                 _set_turning(motion, dof, r[0], r[3], r[6], cx - rx, cy - ry, cz - rz)
@@ -146,8 +93,8 @@ def place(tree: Tree, state: TreeState, q: Vector) -> None:
 
 
 @kernel
-def move(tree: Tree, state: TreeState, v: Vector) -> None:
-    """Fill ``velocity`` and ``acceleration`` (v constant) of all bodies; :func:`place` comes first."""
+def forward_velocities(tree: Tree, state: TreeState, v: Vector) -> None:
+    """Fill ``velocity`` and ``acceleration`` (v constant) of all bodies; :func:`forward_kinematics` comes first."""
     velocity, acceleration, s = state.velocity, state.acceleration, state.motion
     for body in range(1, len(tree.body_parent)):
         up = tree.body_parent[body]

@@ -12,7 +12,7 @@ def point_jacobian(tree: Tree, state: TreeState, body: int, point: Vector, out: 
 
     Args:
         tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update`.
+        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
         body: the body's number.
         point: (3,) where the point is now, world axes, m.
         out: (6, nv) receives linear velocity (rows 0-2) and angular velocity (rows 3-5) per unit of v.
@@ -38,7 +38,7 @@ def point_bias(tree: Tree, state: TreeState, body: int, point: Vector, out: Vect
 
     Args:
         tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update`.
+        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
         body: the body's number.
         point: (3,) where the point is now, world axes, m.
         out: (6,) receives m/s² and rad/s², without gravity.
@@ -61,7 +61,7 @@ def point_velocity(tree: Tree, state: TreeState, body: int, point: Vector, v: Ve
 
     Args:
         tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update`.
+        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
         body: the body's number.
         point: (3,) where the point is now, world axes, m.
         v: (nv,) generalised velocity.

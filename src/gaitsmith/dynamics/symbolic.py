@@ -15,28 +15,12 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.dynamics.rotation import rotation_matrix, scaled_rotation_entries
 from gaitsmith.errors import BadInput
 
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3  # mjtJoint
 
 Array = npt.NDArray[np.float64]
-
-
-def _rotation(quaternion: Array) -> Array:
-    """Rotation matrix of a unit quaternion w x y z."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
-        ]
-    )
-
-
-def skew(vector: Any) -> Any:
-    """Matrix of the cross product with ``vector`` (3)."""
-    return ca.skew(vector)
 
 
 @dataclass(frozen=True)
@@ -70,7 +54,7 @@ class _Link:
 
 def _joint_steps(model: Any, body: int) -> list[_Shift | _Joint]:
     """Steps from a body's parent to the body."""
-    steps: list[_Shift | _Joint] = [_Shift(model.body_pos[body].copy(), _rotation(model.body_quat[body]))]
+    steps: list[_Shift | _Joint] = [_Shift(model.body_pos[body].copy(), rotation_matrix(model.body_quat[body]))]
     first = model.body_jntadr[body]
     for joint in range(first, first + model.body_jntnum[body]):
         kind = int(model.jnt_type[joint])
@@ -245,7 +229,7 @@ def newton_euler(
     for link in links:
         m = motion[link.body]
         mass, com = float(model.body_mass[link.body]), ca.DM(model.body_ipos[link.body])
-        axes = _rotation(model.body_iquat[link.body])
+        axes = rotation_matrix(model.body_iquat[link.body])
         inertia = ca.DM(axes @ np.diag(model.body_inertia[link.body]) @ axes.T)
         spin = ca.cross(m.omega, com)
         f = mass * (m.acceleration + ca.cross(m.alpha, com) + ca.cross(m.omega, spin))
@@ -306,12 +290,8 @@ def inverse_dynamics(model: Any) -> Any:
         if len(free) > 1:
             raise BadInput("free joints", len(free), "at most one", "plan for one robot at a time")
         base = int(model.jnt_bodyid[free[0]])
-        w, x, y, z = (q[3 + k] for k in range(4))
-        R = ca.vertcat(
-            ca.horzcat(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-            ca.horzcat(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-            ca.horzcat(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-        )
+        entries = scaled_rotation_entries(2.0, *(q[3 + k] for k in range(4)))
+        R = ca.vertcat(*(ca.horzcat(*entries[3 * k : 3 * k + 3]) for k in range(3)))
         linear = ca.mtimes(R.T, a[:3] - ca.DM(model.opt.gravity))
         start = BodyMotion(R, q[:3], v[3:6], ca.mtimes(R.T, v[:3]), a[3:6], linear)
         found = newton_euler(model, base, start, q, v, a)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Cube, IntVector, Matrix, Vector
+from gaitsmith.dynamics.rotation import rotation_matrix
 from gaitsmith.errors import BadInput
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Tree(NamedTuple):
 
 
 class TreeState(NamedTuple):
-    """One configuration and velocity: what :func:`gaitsmith.dynamics.update` finds, world axes throughout.
+    """One configuration and velocity: what :func:`gaitsmith.dynamics.update_dynamics` finds, world axes throughout.
 
     Attributes:
         body_rotation: (n_body, 3, 3) body axes to world.
@@ -103,18 +104,6 @@ class TreeState(NamedTuple):
     force: Matrix
 
 
-def _rotation(quaternion: Vector) -> Matrix:
-    """Rotation matrix of a unit quaternion w x y z."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
 def read_tree(model: mujoco.MjModel) -> Tree:
     """The constants of a compiled MuJoCo model; later changes to ``model`` are not seen.
 
@@ -136,12 +125,12 @@ def read_tree(model: mujoco.MjModel) -> Tree:
         count = model.body_dofnum[body]
         own = model.body_dofadr[body] + count - 1
         body_dof[body] = own if count else body_dof[model.body_parentid[body]]
-        principal = _rotation(model.body_iquat[body])
+        principal = rotation_matrix(model.body_iquat[body])
         inertia[body] = principal @ np.diag(model.body_inertia[body]) @ principal.T
     return Tree(
         body_parent=_integers(model.body_parentid),
         body_offset=model.body_pos.copy(),
-        body_turn=np.array([_rotation(quaternion) for quaternion in model.body_quat]),
+        body_turn=np.array([rotation_matrix(quaternion) for quaternion in model.body_quat]),
         body_joint=_integers(model.body_jntadr),
         body_joint_count=_integers(model.body_jntnum),
         body_dof=body_dof,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from gaitsmith.compiled import IntVector, Vector, kernel
 from gaitsmith.dynamics.contact import sole_pose
-from gaitsmith.dynamics.kinematics import move, place
+from gaitsmith.dynamics.kinematics import forward_kinematics, forward_velocities
 from gaitsmith.dynamics.points import point_velocity
 from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.estimation.filters import EstimatorGains as EstimatorGains
@@ -106,8 +106,8 @@ def estimate(
     for j in range(state.joint_velocity.shape[0]):
         q_out[7 + j] = measurement.joint_position[j]
         v_out[6 + j] = state.joint_velocity[j]
-    place(tree, tree_state, q_out)
-    move(tree, tree_state, v_out)
+    forward_kinematics(tree, tree_state, q_out)
+    forward_velocities(tree, tree_state, v_out)
 
     axes, spin, f = (
         tree_state.body_rotation[legs.torso[0]],

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from gaitsmith.compiled import bind, kernel
 from gaitsmith.control.layout import TickGroups
-from gaitsmith.dynamics.algorithms import update
+from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.simulation import Simulation
 from gaitsmith.whole_body.frames import observe_frames
 from gaitsmith.whole_body.solve import solve_whole_body
@@ -24,7 +24,7 @@ def _dynamics(table: int) -> None:
     legs = g.legs
     frames = g.frames
     control = g.control
-    update(tree, tree_state, control.q, control.v)
+    update_dynamics(tree, tree_state, control.q, control.v)
     observe_frames(tree, tree_state, legs, control.v, frames)
 
 

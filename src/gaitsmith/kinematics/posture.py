@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.dynamics.algorithms import update
+from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.dynamics.tree import make_tree_state, read_tree
 from gaitsmith.errors import BadInput
 from gaitsmith.kinematics.inverse import LegKinematics, make_leg_kinematics, solve_leg
@@ -91,7 +91,7 @@ def standing_posture(robot: Robot, height: float, width: float) -> Array:
     try:
         for _ in range(_ROUNDS):
             q = _place_soles(robot, chains, ahead, height, width, q)
-            update(tree, state, q, still)
+            update_dynamics(tree, state, q, still)
             error = float(state.com[0]) - float(robot.hip_midpoint[0]) - ahead
             if abs(error) < _BALANCED:
                 return q

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector, kernel
-from gaitsmith.dynamics.algorithms import update
+from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.dynamics.points import point_bias, point_jacobian
 from gaitsmith.dynamics.tree import Tree, TreeState, make_tree_state
 
@@ -91,7 +91,7 @@ def make_legs(robot: Robot, tree: Tree) -> Legs:
     legs = robot.legs
     state = make_tree_state(tree)
     jacobian = np.zeros((6, robot.model.nv))
-    update(tree, state, np.array(robot.model.qpos0), np.zeros(robot.model.nv))
+    update_dynamics(tree, state, np.array(robot.model.qpos0), np.zeros(robot.model.nv))
     leg_of_joint = np.full(len(robot.joint_names), -1, dtype=np.int64)
     signs = []
     for row, leg in enumerate(legs):

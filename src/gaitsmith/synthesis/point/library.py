@@ -19,7 +19,7 @@ from typing import Any
 import casadi as ca
 
 from gaitsmith.compiled.cache import cache_root, private_folder
-from gaitsmith.dynamics import symbolic
+from gaitsmith.dynamics import rotation, symbolic
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.point import expressions
@@ -82,7 +82,7 @@ def _key(biped: Biped, compiler: str) -> str:
     sizes = f"{layout.inputs} {layout.outputs} {layout.wrench}"
     for part in (version("casadi"), compiler, " ".join(_OPTIONS), os.uname().machine, sizes):
         digest.update(part.encode())
-    for source in (expressions.__file__, symbolic.__file__):
+    for source in (expressions.__file__, symbolic.__file__, rotation.__file__):
         digest.update(Path(source).read_bytes())
     return digest.hexdigest()[:20]
 

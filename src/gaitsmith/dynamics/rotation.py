@@ -1,0 +1,121 @@
+"""Rotations: matrices as nine entries row by row, quaternions w x y z, and the turn about the vertical.
+
+Kernels take and return tuples of numbers, so that no array is made; :func:`rotation_matrix` is for code that reads a
+model once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.compiled import Matrix, Vector, kernel
+
+
+def scaled_rotation_entries(s: Any, w: Any, x: Any, y: Any, z: Any) -> tuple[Any, ...]:
+    """Entries of a quaternion's rotation matrix, row by row; ``s`` is 2 over its squared length. Symbols will do."""
+    return (
+        1.0 - s * (y * y + z * z),
+        s * (x * y - w * z),
+        s * (x * z + w * y),
+        s * (x * y + w * z),
+        1.0 - s * (x * x + z * z),
+        s * (y * z - w * x),
+        s * (x * z - w * y),
+        s * (y * z + w * x),
+        1.0 - s * (x * x + y * y),
+    )
+
+
+_scaled = kernel(scaled_rotation_entries)
+
+
+@kernel
+def rotation_entries(w: float, x: float, y: float, z: float) -> tuple[float, ...]:
+    """The nine entries, row by row, of a quaternion's rotation matrix; any length, zero counts as no rotation."""
+    norm = w * w + x * x + y * y + z * z
+    return _scaled(2.0 / norm if norm > 1e-300 else 0.0, w, x, y, z)
+
+
+@kernel
+def product_entries(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+    """Entries, row by row, of the product of two 3 x 3 matrices given in the same way."""
+    return (
+        a[0] * b[0] + a[1] * b[3] + a[2] * b[6],
+        a[0] * b[1] + a[1] * b[4] + a[2] * b[7],
+        a[0] * b[2] + a[1] * b[5] + a[2] * b[8],
+        a[3] * b[0] + a[4] * b[3] + a[5] * b[6],
+        a[3] * b[1] + a[4] * b[4] + a[5] * b[7],
+        a[3] * b[2] + a[4] * b[5] + a[5] * b[8],
+        a[6] * b[0] + a[7] * b[3] + a[8] * b[6],
+        a[6] * b[1] + a[7] * b[4] + a[8] * b[7],
+        a[6] * b[2] + a[7] * b[5] + a[8] * b[8],
+    )
+
+
+@kernel
+def axis_angle_entries(x: float, y: float, z: float, angle: float) -> tuple[float, ...]:
+    """Entries, row by row, of the rotation by ``angle`` (rad) about a unit axis (Rodrigues' formula)."""
+    s, c = math.sin(angle), math.cos(angle)
+    k = 1.0 - c
+    return (
+        c + k * x * x,
+        k * x * y - s * z,
+        k * x * z + s * y,
+        k * x * y + s * z,
+        c + k * y * y,
+        k * y * z - s * x,
+        k * x * z - s * y,
+        k * y * z + s * x,
+        c + k * z * z,
+    )
+
+
+@kernel
+def quaternion_from_entries(r: tuple[float, ...]) -> tuple[float, float, float, float]:
+    """Unit quaternion w x y z, w not negative, of a rotation matrix given as nine entries row by row."""
+    trace = r[0] + r[4] + r[8]
+    # The largest of the four squares is divided by: its root is at least 1/2.
+    if trace >= r[0] and trace >= r[4] and trace >= r[8]:
+        w, x, y, z = 1.0 + trace, r[7] - r[5], r[2] - r[6], r[3] - r[1]
+    elif r[0] >= r[4] and r[0] >= r[8]:
+        w, x, y, z = r[7] - r[5], 1.0 + r[0] - r[4] - r[8], r[1] + r[3], r[2] + r[6]
+    elif r[4] >= r[8]:
+        w, x, y, z = r[2] - r[6], r[1] + r[3], 1.0 + r[4] - r[0] - r[8], r[5] + r[7]
+    else:
+        w, x, y, z = r[3] - r[1], r[2] + r[6], r[5] + r[7], 1.0 + r[8] - r[0] - r[4]
+    over = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    if w < 0.0:
+        over = -over
+    return w * over, x * over, y * over, z * over
+
+
+@kernel
+def quaternion_product(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, float, float, float]:
+    """Product of two quaternions w x y z: first the turn ``b``, then ``a``; not normalised."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+@kernel
+def heading_to_world(cos_yaw: float, sin_yaw: float, x: float, y: float) -> tuple[float, float]:
+    """A horizontal vector from axes turned by the yaw angle to the world's."""
+    return cos_yaw * x - sin_yaw * y, sin_yaw * x + cos_yaw * y
+
+
+@kernel
+def world_to_heading(cos_yaw: float, sin_yaw: float, x: float, y: float) -> tuple[float, float]:
+    """A horizontal vector from the world's axes to those turned by the yaw angle."""
+    return cos_yaw * x + sin_yaw * y, cos_yaw * y - sin_yaw * x
+
+
+def rotation_matrix(quaternion: Vector) -> Matrix:
+    """(3, 3) rotation matrix of a quaternion w x y z, for code outside kernels."""
+    scale = 2.0 / float(np.dot(quaternion, quaternion))
+    return np.array(scaled_rotation_entries(scale, *quaternion)).reshape(3, 3)
