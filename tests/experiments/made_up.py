@@ -13,7 +13,7 @@ REASON = (
 
 def made_up_stage(**given: Any) -> Stage:
     """A stage walked without any error."""
-    command = StageCommand(vx=0.3, vy=0.0, period=0.4, alpha=0.5, height=0.7, lift=0.1, width=0.0375)
+    command = StageCommand(vx=0.3, vy=0.0, period=0.4, alpha=0.5, height=0.7, lift=0.1, width=0.0375, yaw_rate=0.0)
     fields: dict[str, Any] = {
         "t0": 0.0,
         "t1": 10.0,

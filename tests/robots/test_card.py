@@ -83,6 +83,8 @@ CASES: list[tuple[tuple[str | int, ...], Any, str]] = [
     (("gait", "speed"), [9.0, 0.0], "gait.speed[0]"),
     (("gait_limits", "height"), [0.42, 0.77], "gait_limits.height[1]"),
     (("gait_limits", "alpha"), [0.8, 0.2], "gait_limits.alpha"),
+    (("gait_limits", "yaw_rate"), [-0.5, 0.5], "gait_limits.yaw_rate"),
+    (("gait", "yaw_rate"), 0.1, "gait.yaw_rate"),
     (("presets", "default"), ..., "presets"),
     (("presets",), {}, "presets"),
     (("presets",), [], "presets"),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.simulation.standing import robot
 
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation.scenario import GAIT_FIELDS, Scenario, check_scenario, load_scenario, make_scenario
+from gaitsmith.simulation.scenario import GAIT_INPUTS, Scenario, check_scenario, load_scenario, make_scenario
 
 MANY = settings(max_examples=1000)
 anything = st.recursive(
@@ -67,7 +67,7 @@ def test_times_must_rise(times):
 
 @MANY
 @given(
-    st.sampled_from([name for name in GAIT_FIELDS if name != "speed"]), st.floats(allow_nan=True, allow_infinity=True)
+    st.sampled_from([name for name in GAIT_INPUTS if name != "speed"]), st.floats(allow_nan=True, allow_infinity=True)
 )
 def test_gait_inputs_outside_the_robot_s_limits_are_refused(name, value):
     low, high = getattr(robot().card.gait_limits, name)
@@ -157,6 +157,23 @@ def test_the_region_holds_the_commanded_path():
     assert region.x[0] < 4.0 - 10.0
     assert region.x[1] > 4.0
     assert region.y[1] > 4.0
+
+
+def test_the_region_holds_a_circle_however_often_it_is_walked():
+    region = make_scenario({"speed": 0.3, "yaw_rate": 0.1, "duration": 200.0}).region()  # a circle of 3 m about (0, 3)
+    assert region.x == pytest.approx((-6.0, 6.0), abs=0.1)
+    assert region.y == pytest.approx((-1.5, 7.5), abs=0.1)
+
+
+def test_a_robot_that_cannot_turn_says_so():
+    for fields, field in (
+        ({"yaw_rate": 0.3}, "yaw_rate"),
+        ({"changes": [{"time": 2.0, "yaw_rate": 0.3}]}, "changes[0].yaw_rate"),
+    ):
+        with pytest.raises(BadInput) as caught:
+            check_scenario(make_scenario(fields), robot())
+        assert str(caught.value) == f"{field}: got 0.3, expected 0 only; the legs cannot turn"
+    check_scenario(make_scenario({"yaw_rate": 0.0}), robot())
 
 
 def test_an_unknown_preset_names_the_known_ones():

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from gaitsmith.simulation.summary import Span, StageCommand, measure_stages, scored_window, tick_times
 
 DT = 1e-3
-COMMAND = StageCommand(vx=0.4, vy=0.1, period=0.4, alpha=0.5, height=0.7, lift=0.1, width=0.0375)
+COMMAND = StageCommand(vx=0.4, vy=0.1, period=0.4, alpha=0.5, height=0.7, lift=0.1, width=0.0375, yaw_rate=0.0)
 
 
 def _walk(step_ticks: int, n: int) -> np.ndarray:

@@ -41,6 +41,8 @@ class WalkArguments:
         tuple[float, ...] | None, numbers("--speed", "VX [VY]", (1, 2), "name a scenario before the options")
     ] = None
     """Forward and lateral speed, m/s."""
+    yaw_rate: Annotated[float | None, number("--yaw-rate", "RAD/S")] = None
+    """Rate at which the heading turns, to the left, rad/s."""
     duration: Annotated[float | None, number("--duration", "S")] = None
     """Length of the whole run, rests included, s."""
     height: Annotated[float | None, number("--height", "M")] = None

@@ -21,7 +21,7 @@ from gaitsmith.estimation.measurement import Measurement, make_measurement
 from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics
 from gaitsmith.qp.quadratic_program import make_quadratic_program
 from gaitsmith.robots import Robot
-from gaitsmith.robots.parameters import ControlParameters, GaitParameters
+from gaitsmith.robots.parameters import ControlParameters, GaitParameters, at_rest, check_gait
 from gaitsmith.template.foothold import make_foothold_gains
 from gaitsmith.template.step import make_gait, make_step_state
 from gaitsmith.whole_body.forward_dynamics import make_motion_map
@@ -64,7 +64,7 @@ class Controller:
         self.robot = robot
         self.parameters = _preset(robot, preset)
         self.gait = robot.card.gait if gait is None else gait
-        self._check_gait(self.gait.model_dump())
+        check_gait(self.gait.model_dump(), robot.card.gait_limits)
         n_joints = len(robot.joint_names)
         nv = 6 + n_joints
         tree = read_tree(robot.model)
@@ -134,24 +134,17 @@ class Controller:
         """Groups that a reset puts back to their first values."""
         return self._groups.step, self._groups.control, self._groups.estimator, self._groups.targets
 
-    def command(
-        self,
-        *,
-        speed: tuple[float, float] | None = None,
-        period: float | None = None,
-        alpha: float | None = None,
-        height: float | None = None,
-        lift: float | None = None,
-        width: float | None = None,
-    ) -> None:
+    def command(self, **inputs: Any) -> None:
         """Change any of the gait's parameters; they take effect when the legs switch (Han 2023, section 2.3).
 
+        Args:
+            inputs: by name, as :class:`gaitsmith.robots.parameters.GaitParameters` has them; None leaves one as it is.
+
         Raises:
-            BadInput: a value outside the card's limits.
+            BadInput: an unknown name, or a value outside the card's limits.
         """
-        given = {"speed": speed, "period": period, "alpha": alpha, "height": height, "lift": lift, "width": width}
-        changes = {name: value for name, value in given.items() if value is not None}
-        self._check_gait(self.gait.model_dump() | changes)
+        changes = {name: value for name, value in inputs.items() if value is not None}
+        check_gait(changes, self.robot.card.gait_limits)
         gait = GaitParameters(**(self.gait.model_dump() | changes))
         self.gait = gait
         for now, value in zip(self._groups.requested, make_gait(gait), strict=True):
@@ -162,8 +155,8 @@ class Controller:
         self._groups.step.walk_requested[0] = 1
 
     def stand(self) -> None:
-        """Come to rest: command zero speed, and stay on both feet once slow enough."""
-        self.command(speed=(0.0, 0.0))
+        """Come to rest: command neither speed nor turning, and stay on both feet once slow enough."""
+        self.command(**at_rest(self.gait.model_dump()))
         self._groups.step.walk_requested[0] = 0
 
     def tick(self, measurement: Measurement | None = None) -> npt.NDArray[np.float64]:
@@ -180,19 +173,6 @@ class Controller:
                 kept[...] = given
         tick(self._address)
         return self._torque
-
-    def _check_gait(self, values: dict[str, Any]) -> None:
-        """Raise BadInput unless every parameter is a number within the card's limits."""
-        limits = self.robot.card.gait_limits
-        speed = values["speed"]
-        if np.shape(speed) != (2,):
-            raise BadInput("speed", speed, "two numbers, forward and lateral, m/s")
-        parts = values | {"speed_x": speed[0], "speed_y": speed[1]}
-        for name in type(limits).model_fields:
-            low, high = getattr(limits, name)
-            value = parts[name]
-            if not isinstance(value, (int, float, np.number)) or not low <= value <= high:
-                raise BadInput(name, value, f"{low} to {high}")
 
 
 def _preset(robot: Robot, preset: str | ControlParameters) -> ControlParameters:

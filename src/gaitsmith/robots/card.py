@@ -16,6 +16,7 @@ from gaitsmith.robots.parameters import (
     NonNegative,
     Parameters,
     Positive,
+    check_gait,
 )
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
@@ -161,14 +162,10 @@ def _check_range(pair: tuple[float, float], field: str) -> None:
 
 
 def _check_gait(gait: GaitParameters, limits: GaitLimits) -> None:
-    for name in type(limits).model_fields:
-        _check_range(getattr(limits, name), f"gait_limits.{name}")
-    values = gait.model_dump() | {"speed_x": gait.speed[0], "speed_y": gait.speed[1]}
-    for name in type(limits).model_fields:
-        low, high = getattr(limits, name)
-        if not low <= values[name] <= high:
-            field = {"speed_x": "speed[0]", "speed_y": "speed[1]"}.get(name, name)
-            raise BadInput(f"gait.{field}", values[name], f"{low} to {high}, as gait_limits.{name} says")
+    for name, (low, high) in limits:
+        if not low <= high:
+            raise BadInput(f"gait_limits.{name}", [low, high], "lowest <= highest")
+    check_gait(gait.model_dump(), limits, "gait.")
 
 
 def _check_preset(parameters: ControlParameters, joint_count: int, field: str) -> None:

@@ -174,6 +174,12 @@ def _leg(
     if not card.gait_limits.height[1] < reach:
         valid = f"less than {reach:.4g}, hip to sole with straight legs"
         raise BadInput(f"{label}: gait_limits.height[1]", card.gait_limits.height[1], valid)
+    turns = card.gait_limits.yaw_rate
+    if any(turns) and not any(
+        abs(rotation.T @ data.xaxis[model.joint(name).id])[2] > UPRIGHT for name in leg.joints[:knee]
+    ):
+        valid = "[0, 0]: no joint of this leg above the knee turns about the vertical"
+        raise BadInput(f"{label}: gait_limits.yaw_rate", list(turns), valid)
     return Leg(
         name=leg.name,
         side=1 if leg.name == "left" else -1,

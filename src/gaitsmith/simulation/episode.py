@@ -17,12 +17,12 @@ from gaitsmith.control import Controller
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.log.record import Log, Recorder
 from gaitsmith.robots import Robot, load_robot
-from gaitsmith.robots.parameters import GaitParameters
+from gaitsmith.robots.parameters import GaitParameters, at_rest, gait_numbers
 from gaitsmith.simulation import plant as physics
 from gaitsmith.simulation.disturbances import Pushes, StrideClock
 from gaitsmith.simulation.fall import Fall, explain
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.scenario import GAIT_FIELDS, Scenario, check_scenario
+from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.summary import (
     FallReport,
     QpCounts,
@@ -252,9 +252,9 @@ class Simulation:
                 if tick <= first:
                     gait.update(given)
             rest = first < walk_from or first >= walk_until
-            vx, vy = (0.0, 0.0) if rest else gait["speed"]
-            others = {name: gait[name] for name in GAIT_FIELDS if name != "speed"}
-            spans.append(Span(first, last, rest, StageCommand(vx=vx, vy=vy, **others)))
+            numbers = gait_numbers(at_rest(gait) if rest else gait, keys=True)
+            command = StageCommand.model_validate({key: value for key, _, value in numbers})
+            spans.append(Span(first, last, rest, command))
         return spans
 
     def summary(self) -> Summary:

@@ -9,10 +9,13 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, field_validator, model_validator
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded
+from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
@@ -23,31 +26,31 @@ if TYPE_CHECKING:
 _MAX_BYTES = 1_000_000
 _MAX_DURATION = 3600.0
 _MARGIN = 3.0  # m of prepared ground around the commanded path
+_SAMPLES = 17  # of a turn
 Seconds = Annotated[float, Field(ge=0.0, le=_MAX_DURATION, allow_inf_nan=False)]
-Number = Annotated[float, Field(allow_inf_nan=False)]
-GAIT_FIELDS = ("speed", "period", "alpha", "height", "lift", "width")
 
 
-class Command(BaseModel):
+if TYPE_CHECKING:
+
+    class _Inputs(BaseModel):
+        def __getattr__(self, name: str) -> Any: ...
+
+else:
+    _Inputs = create_model(
+        "_Inputs",
+        __config__=ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False),
+        __module__=__name__,
+        **{name: (field.annotation | None, None) for name, field in GaitParameters.model_fields.items()},
+    )
+
+
+class Command(_Inputs):
     """Gait inputs that a user sets; None leaves one as it was (at the start: the robot card's default).
 
-    Attributes:
-        speed: forward and to the left, m/s; one number means forward.
-        period: of one step, s.
-        alpha: lifting stage's share of the period.
-        height: hip midpoint above the stance sole, m.
-        lift: of the swing sole, m.
-        width: half the lateral distance between the soles, m.
+    They are the fields of :class:`gaitsmith.robots.parameters.GaitParameters`; a single number is a forward speed.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    speed: tuple[Number, Number] | None = None
-    period: Number | None = None
-    alpha: Number | None = None
-    height: Number | None = None
-    lift: Number | None = None
-    width: Number | None = None
 
     @field_validator("speed", mode="before")
     @classmethod
@@ -62,7 +65,7 @@ class Command(BaseModel):
 
     def given(self) -> dict[str, Any]:
         """The inputs that are set, as keyword arguments of :meth:`gaitsmith.control.Controller.command`."""
-        return {name: getattr(self, name) for name in GAIT_FIELDS if getattr(self, name) is not None}
+        return {name: getattr(self, name) for name in GAIT_INPUTS if getattr(self, name) is not None}
 
 
 class Change(Command):
@@ -70,11 +73,15 @@ class Change(Command):
 
     time: Seconds
 
+    if TYPE_CHECKING:
+
+        def __init__(self, **values: Any) -> None: ...
+
     @model_validator(mode="after")
     def _changes_something(self) -> Change:
         """Refuse a change of nothing."""
         if not self.given():
-            raise BadInput("changes", self.time, "a time and at least one of " + ", ".join(GAIT_FIELDS))
+            raise BadInput("changes", self.time, "a time and at least one of " + ", ".join(GAIT_INPUTS))
         return self
 
 
@@ -117,6 +124,10 @@ class Scenario(Command):
     mass_factor: Annotated[float, Field(ge=0.5, le=2.0, allow_inf_nan=False)] = 1.0
     mass_spread: Annotated[float, Field(ge=0.0, le=0.5, allow_inf_nan=False)] = 0.0
 
+    if TYPE_CHECKING:
+
+        def __init__(self, **values: Any) -> None: ...
+
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
         """Check what no single field can tell."""
@@ -152,16 +163,30 @@ class Scenario(Command):
         return self.duration - self.rest_after
 
     def region(self) -> Region:
-        """Ground around the path that the commands describe, were it straight."""
-        place, lowest, highest = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
-        speed, now = self.speed or (0.0, 0.0), self.walk_from
+        """Ground around the path that the commands describe, if nothing else moves the robot."""
+        place, heading = np.zeros(2), 0.0
+        lowest, highest = np.zeros(2), np.zeros(2)
+        speed, yaw_rate, now = self.speed or (0.0, 0.0), self.yaw_rate or 0.0, self.walk_from
         for change in (*self.changes, Change(time=self.walk_until, speed=(0.0, 0.0))):
             until = min(max(change.time, now), self.walk_until)
-            for axis in range(2):
-                place[axis] += speed[axis] * (until - now)
-                lowest[axis], highest[axis] = min(lowest[axis], place[axis]), max(highest[axis], place[axis])
-            speed, now = change.speed or speed, until
-        return Region((lowest[0] - _MARGIN, highest[0] + _MARGIN), (lowest[1] - _MARGIN / 2, highest[1] + _MARGIN / 2))
+            turned = yaw_rate * (until - now)
+            for angle in np.linspace(0.0, math.copysign(min(abs(turned), 2.0 * math.pi), turned), _SAMPLES)[1:]:
+                length = until - now if yaw_rate == 0.0 else angle / yaw_rate
+                seen = place + length * _turned(speed, heading, angle)
+                lowest, highest = np.minimum(lowest, seen), np.maximum(highest, seen)
+            place = place + (until - now) * _turned(speed, heading, turned)
+            heading += turned
+            speed = speed if change.speed is None else change.speed
+            yaw_rate, now = yaw_rate if change.yaw_rate is None else change.yaw_rate, until
+        (x, y), (far_x, far_y) = lowest.tolist(), highest.tolist()
+        return Region((x - _MARGIN, far_x + _MARGIN), (y - _MARGIN / 2, far_y + _MARGIN / 2))
+
+
+def _turned(speed: tuple[float, float], heading: float, angle: float) -> NDArray[np.float64]:
+    """(2,) mean velocity in the world while the heading turns evenly by an angle, rad, and the speed stays, m/s."""
+    chord = float(np.sinc(angle / (2.0 * math.pi)))
+    c, s = math.cos(heading + angle / 2.0), math.sin(heading + angle / 2.0)
+    return chord * np.array([c * speed[0] - s * speed[1], s * speed[0] + c * speed[1]])
 
 
 def make_scenario(fields: dict[str, Any], source: str = "") -> Scenario:
@@ -192,17 +217,8 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
     """
     if scenario.preset not in robot.card.presets:
         raise BadInput("preset", scenario.preset, "one of " + ", ".join(sorted(robot.card.presets)))
-    commands: list[tuple[str, Command]] = [("", scenario)]
-    commands += [(f"changes[{k}].", change) for k, change in enumerate(scenario.changes)]
-    limits = robot.card.gait_limits
-    for prefix, command in commands:
-        for name, value in command.given().items():
-            if name == "speed":
-                _check_range(f"{prefix}speed[0]", value[0], limits.speed_x, "m/s")
-                _check_range(f"{prefix}speed[1]", value[1], limits.speed_y, "m/s")
-            else:
-                unit = {"period": "s", "alpha": "of the period"}.get(name, "m")
-                _check_range(f"{prefix}{name}", value, getattr(limits, name), unit)
+    for prefix, command in [("", scenario), *((f"changes[{k}].", change) for k, change in enumerate(scenario.changes))]:
+        check_gait(command.given(), robot.card.gait_limits, prefix)
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
@@ -230,13 +246,6 @@ def _parse(content: bytes, source: str) -> Scenario:
     if not fields:
         raise BadInput(f"{source}scenario", "an empty file", "at least one field, such as duration = 20")
     return make_scenario(fields, source)
-
-
-def _check_range(field: str, value: float, limits: tuple[float, float], unit: str) -> None:
-    """Refuse a value outside a closed range."""
-    low, high = limits
-    if not low <= value <= high:
-        raise BadInput(field, value, f"{low:g} to {high:g} {unit}")
 
 
 def _bad_input(error: ValidationError, source: str) -> BadInput:

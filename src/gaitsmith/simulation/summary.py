@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, create_model
+
+from gaitsmith.robots.parameters import GAIT_INPUTS
 
 SCORED = 2.0  # s at the end of a stage over which means are taken
 Array = npt.NDArray[np.float64]
@@ -18,16 +20,21 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class StageCommand(_Part):
-    """Gait inputs that hold during a stage; SI units, zero speed at rest."""
+if TYPE_CHECKING:
 
-    vx: float
-    vy: float
-    period: float
-    alpha: float
-    height: float
-    lift: float
-    width: float
+    class StageCommand(_Part):
+        """Gait inputs that hold during a stage; SI units, zero speed at rest."""
+
+        def __getattr__(self, name: str) -> float: ...
+
+else:
+    StageCommand = create_model(
+        "StageCommand",
+        __base__=_Part,
+        __module__=__name__,
+        __doc__="Gait inputs that hold during a stage; SI units, zero speed at rest.",
+        **{key: (float, ...) for name, about in GAIT_INPUTS.items() for key in about.keys or (name,)},
+    )
 
 
 class Stage(_Part):
