@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from tests.robots.samples import BHR, MODELS, bhr_text, build_model, card_data, changed
+from tests.robots.samples import BHR, MODELS, bhr_text, build, build_model, card_data, changed
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot, describe, load_robot, robot_names
@@ -195,3 +195,11 @@ def test_sole_placed_by_body_and_rpy_equals_the_site(tmp_path: Path) -> None:
     tipped = changed(data, "legs", 0, "sole_rpy", value=[3.14, 0.0, 0.0])
     with pytest.raises(BadInput, match="x forward and z up"):
         build_model(text, tmp_path, tipped)
+
+
+def test_legs_that_are_swapped_left_for_right_are_refused() -> None:
+    data = card_data()
+    for leg in data["legs"]:
+        leg["name"] = "left" if leg["name"] == "right" else "right"
+    with pytest.raises(BadInput, match="the left hip at the larger y"):
+        build(data)

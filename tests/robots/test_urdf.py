@@ -197,19 +197,28 @@ def edited(root: Element, case: str) -> None:
                 SubElement(root, "link", {"name": f"chain{i}"})
 
 
-CASES = [
-    "mimic",
-    "planar",
-    "floating",
-    "magic",
-    "negative mass",
-    "other mass",
-    "mass in words",
-    "no inertia",
-    "two roots",
-]
-CASES += ["loop", "ring", "no child", "unknown link", "same link twice", "mesh outside", "mesh missing", "no shape"]
-CASES += ["empty", "long chain"]
+# What is wrong must be named: another check further on may refuse the file too, in words that help nobody.
+CASES = {
+    "mimic": "independent joints",
+    "planar": "planar",
+    "floating": "floating",
+    "magic": "magic",
+    "negative mass": "kilograms",
+    "other mass": "mass",
+    "mass in words": "kilograms",
+    "no inertia": "mass",
+    "two roots": "exactly one link without a parent",
+    "loop": "every link hangs from the root link",
+    "ring": "every link hangs from the root link",
+    "no child": "a parent and a child link",
+    "unknown link": "a parent and a child link",
+    "same link twice": "each with its own name",
+    "mesh outside": "below the card's folder",
+    "mesh missing": "mesh",
+    "no shape": "one shape among",
+    "empty": "links",
+    "long chain": "links",
+}
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -217,7 +226,7 @@ def test_bad_urdf_is_refused(bhr: Robot, tmp_path: Path, case: str, monkeypatch:
     monkeypatch.chdir(tmp_path)
     root = as_urdf(bhr)
     edited(root, case)
-    with pytest.raises(BadInput) as caught:
+    with pytest.raises(BadInput, match=CASES[case]) as caught:
         build_urdf(root, tmp_path)
     assert "\n" not in str(caught.value)
     assert [path.name for path in tmp_path.iterdir()] == ["model.xml"]

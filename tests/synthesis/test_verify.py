@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from gaitsmith.synthesis import verify
-from gaitsmith.synthesis.gaits.support import hull
 from gaitsmith.synthesis.motions.motion import At
 
 SPARSE = 40  # instants a phase: enough to see a lie
@@ -47,6 +46,22 @@ def test_a_footprint_moved_is_found(dynamic, robot):
     phases[2] = replace(phases[2], other=(phases[2].other[0] + 0.001, phases[2].other[1]))
     verdict = verify(replace(dynamic.gait, motion=replace(motion, phases=tuple(phases))), robot, SPARSE)
     assert any("closure" in text for text in verdict.problems)
+
+
+def test_a_foot_in_the_ground_is_found(dynamic, robot):
+    knee = robot.legs[0].knee  # of the left leg, which swings
+    verdict = verify(_changed(dynamic.gait, 1, joints=_add(knee, -0.02)), robot, SPARSE)
+    assert any(text.startswith("penetration") for text in verdict.problems), verdict.problems
+
+
+def test_a_support_foot_that_jumps_takes_the_base_along(dynamic, robot):
+    motion = dynamic.gait.motion
+    phases = list(motion.phases)
+    x, y = phases[1].foothold
+    phases[1] = replace(phases[1], foothold=(x + 1e-5, y))
+    verdict = verify(replace(dynamic.gait, motion=replace(motion, phases=tuple(phases))), robot, SPARSE)
+    assert abs(verdict.seam["position_m"] - 1e-5) < 1e-6
+    assert any(text.startswith("position_m jumps") for text in verdict.problems), verdict.problems
 
 
 def test_a_condition_that_does_not_hold_is_found(dynamic, robot):
@@ -97,7 +112,3 @@ def test_ground_that_bears_nothing_is_a_problem(dynamic, robot):
     verdict = verify(_changed(dynamic.gait, 0, wrench=lambda table: 0.0 * table), robot, SPARSE)
     assert any("ZMP margin: not a number" in text for text in verdict.problems)
 
-
-def test_hull_of_points():
-    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0]])
-    assert sorted(map(tuple, hull(points))) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]

@@ -1,0 +1,54 @@
+"""The zero moment point is where the ground's forces act; the margin is how far inside the soles that is."""
+
+import numpy as np
+import pytest
+
+from gaitsmith.synthesis.gaits.support import contact_points, hull, hull_margin, zmp
+from gaitsmith.synthesis.motions.motion import Phase
+
+ROUNDING = 1e-12
+STEP = Phase("flat", 0.2, "right", "flat", (0.3, -0.1), (0.5, 0.1))
+LOAD = {"left": 120.0, "right": 200.0}
+
+
+def pressed(phase, points):
+    """Wrenches (12, 1) about the soles' origins of vertical loads at points of the world, by foot."""
+    places = {phase.support: phase.foothold, "left" if phase.support == "right" else "right": phase.other}
+    found = np.zeros((12, 1))
+    for first, side in ((0, "left"), (6, "right")):
+        if side in points:
+            force = np.array([30.0, -20.0, LOAD[side]])  # friction on the ground moves no zero moment point
+            arm = np.append(np.subtract(points[side], places[side]), 0.0)
+            found[first : first + 6, 0] = np.concatenate([force, np.cross(arm, force)])
+    return found
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_under_one_foot_it_is_where_the_force_acts(side):
+    point = {"left": (0.55, 0.12), "right": (0.26, -0.13)}[side]
+    assert np.abs(zmp(STEP, pressed(STEP, {side: point}))[:, 0] - point).max() < ROUNDING
+
+
+def test_under_two_feet_it_is_the_mean_by_load():
+    points = {"left": (0.55, 0.12), "right": (0.26, -0.13)}
+    mean = sum(LOAD[side] * np.array(point) for side, point in points.items()) / sum(LOAD.values())
+    assert np.abs(zmp(STEP, pressed(STEP, points))[:, 0] - mean).max() < ROUNDING
+
+
+def test_the_margin_is_the_distance_from_the_hulls_edge(planner):
+    biped, single = planner.biped, Phase("swing", 0.4, "right", "air", (0.3, -0.1))
+    sole = biped.leg("right").sole
+    for depth in (0.005, -0.005):
+        point = (0.3 + sole.toe - depth, -0.1)
+        assert abs(hull_margin(biped, single, pressed(single, {"right": point})) - depth) < ROUNDING
+
+
+def test_both_feet_bear_between_the_soles(planner):
+    points = {"left": (0.5, 0.1), "right": (0.3, -0.1)}
+    assert hull_margin(planner.biped, STEP, pressed(STEP, points)) > 0.0
+    assert len(hull(contact_points(planner.biped, STEP))) == 6
+
+
+def test_hull_of_points():
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0]])
+    assert sorted(map(tuple, hull(points))) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
