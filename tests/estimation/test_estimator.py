@@ -165,6 +165,24 @@ def test_without_contact_only_the_accelerometer_speaks(planned):
     assert np.all(np.diff(variances, axis=0)[1:] > 0.0)
 
 
+def test_a_sole_that_has_just_landed_is_trusted_only_once_it_has_settled():
+    walk = synthetic_walk(*SLOPE)
+    setup, rng = _setup(walk), np.random.default_rng(0)
+    q, v, both = np.zeros(walk.q.shape[1]), np.zeros(walk.v.shape[1]), np.ones(2, dtype=np.int64)
+    air, tail = 20, 30
+    unheard = round(setup.gains.settling / DT) - 1  # the tick at which the time is full counts as settled
+    assert unheard >= 5
+    variances = []
+    for k in range(50 + air + unheard + tail):
+        _sense(setup.measurement, walk, 0, IDEAL, np.zeros(3), rng)
+        setup.measurement.sole_force[:] = 0.0 if 50 <= k < 50 + air else 400.0
+        assert setup(q, v, both)
+        variances.append(setup.state.covariance[:, 3].copy())
+    rises = np.diff(variances, axis=0)[49:] > 0.0
+    assert rises[: air + unheard].all()
+    assert not rises[air + unheard].any()
+
+
 @pytest.mark.parametrize("field", ["base_quaternion", "joint_position", "accelerometer", "gyro", "sole_force"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_broken_sensor_is_refused_and_changes_nothing(field, value):
