@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
-from gaitsmith.cli.arguments import Repeatable, integer, number, parse, text
+from gaitsmith.cli.arguments import Repeatable, integer, number, numbers, parse, text
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome
 from gaitsmith.files import uninterrupted
 
@@ -31,24 +31,32 @@ class TickArguments:
 class PushArguments:
     """Push the walking robot in every direction at every phase of the stride.
 
-    Without options of its own it runs the five standard grids; with one of them it runs that single grid.
+    Without a walk or an impulse of its own it runs the grids of a set; with one of them it runs that single grid.
     """
 
-    robot: Annotated[str, text("--robot", "NAME_OR_PATH")] = "bhr_b2"
+    set: Annotated[str, text("--set", "NAME_OR_FILE")] = "walks"
+    """Set of trials and grids: walks, courses, planned, or a TOML file."""
+    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the set's")] = None
     """A robot of the package, or the path of a card."""
     preset: Annotated[str, text("--preset", "NAME")] = "default"
     """Control parameters of the card."""
+    gait: Annotated[str | None, text("--gait", "FILE", absent="the template")] = None
+    """A planned gait to walk."""
     impulse: Annotated[float | None, number("--impulse", "N·s", absent="standard")] = None
     """Impulse of 0.1 s at the torso's centre of mass, N·s."""
-    speed: Annotated[float | None, number("--speed", "VX", absent="standard")] = None
-    """Forward speed, m/s."""
+    strength: Annotated[float | None, number("--strength", "X", absent="standard")] = None
+    """The impulse over mass times √(gH) instead."""
+    speed: Annotated[
+        tuple[float, ...] | None, numbers("--speed", "VX [VY]", (1, 2), "forward, and to the left if there are two")
+    ] = None
+    """Forward and lateral speed, m/s."""
     height: Annotated[float | None, number("--height", "M", absent="standard")] = None
     """Hip midpoint above the stance sole, m."""
     period: Annotated[float | None, number("--period", "S", absent="standard")] = None
     """Duration of one step, s."""
-    directions: Annotated[int, integer("--directions", "N", 1)] = 8
+    directions: Annotated[int | None, integer("--directions", "N", 1, absent="the set's, or 8")] = None
     """Directions, evenly around the robot."""
-    phases: Annotated[int, integer("--phases", "N", 1)] = 12
+    phases: Annotated[int | None, integer("--phases", "N", 1, absent="the set's, or 12")] = None
     """Phases, evenly over one stride."""
     largest: bool = False
     """Search the largest impulse survived in every direction instead."""
@@ -62,12 +70,16 @@ class PushArguments:
 
 @dataclass(frozen=True)
 class BatteryArguments:
-    """Run the walking battery: speeds, heights, slopes, boxes, noise, each against its target."""
+    """Run the trials of a set: speeds, heights, slopes, boxes, noise, each against its target."""
 
-    robot: Annotated[str, text("--robot", "NAME_OR_PATH")] = "bhr_b2"
+    set: Annotated[str, text("--set", "NAME_OR_FILE")] = "walks"
+    """Set of trials: walks, courses, courses_estimated, planned, kick, or a TOML file."""
+    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the set's")] = None
     """A robot of the package, or the path of a card."""
     preset: Annotated[str, text("--preset", "NAME")] = "default"
     """Control parameters of the card."""
+    gait: Annotated[str | None, text("--gait", "FILE", absent="the template")] = None
+    """A planned gait to walk."""
     only: Annotated[tuple[Annotated[str, text("--only", "NAME")], ...], Repeatable] = ()
     """Run these trials only."""
     jobs: Annotated[int, integer("--jobs", "N", 1)] = 1

@@ -1,4 +1,4 @@
-"""``gaitsmith bench battery``: every trial of the battery, judged by named limits."""
+"""``gaitsmith bench battery``: every trial of a set, judged by named limits."""
 
 from __future__ import annotations
 
@@ -14,53 +14,55 @@ from gaitsmith.experiments.identity import loop_identity
 from gaitsmith.experiments.limits import QUANTITIES, Finding, Judgement, judge, shown
 from gaitsmith.experiments.measures import measure
 from gaitsmith.experiments.result import Progress, Result, silent
+from gaitsmith.experiments.sets import Trial, load_set
 from gaitsmith.experiments.store import Store
-from gaitsmith.experiments.trials import Trial, battery_trials
-from gaitsmith.robots import Robot, load_robot
+from gaitsmith.robots import Robot
 from gaitsmith.simulation import Scenario, Summary
 from gaitsmith.simulation.scenario import check_scenario
 
 
 def run_battery(
-    robot: str = "bhr_b2",
+    set: str = "walks",
+    robot: str | None = None,
     preset: str = "default",
+    gait: str | None = None,
     only: Sequence[str] = (),
     jobs: int = 1,
     out: str | Path = "runs/bench",
     progress: Progress = silent,
 ) -> Result:
-    """Run the trials of :func:`gaitsmith.experiments.battery_trials`.
+    """Run the trials of a set.
 
-    A trial that needs a gait or a preset that the robot's card does not have is skipped, and says so.
+    A trial that needs an input or a preset that the robot's card does not have is skipped, and says so.
 
     Args:
-        robot: name or path.
+        set: name or path; see :func:`gaitsmith.experiments.load_set`.
+        robot: name or path; the set's own if None.
         preset: control parameters of the card, for the trials that do not name their own.
+        gait: planned gait that is walked; the template if None.
         only: names of the trials to run; all if empty.
         jobs: processes.
         out: folder of the finished episodes; ``battery.json`` is written there too.
         progress: told of the episodes done.
 
     Raises:
-        BadInput: unknown trial or preset, or the robot or the folder cannot be used.
+        BadInput: unknown set, trial or preset, or the robot or the folder cannot be used.
     """
-    trials = _chosen(only)
-    loaded = load_robot(robot)
-    if preset not in loaded.card.presets:
-        raise BadInput("--preset", preset, "one of " + ", ".join(sorted(loaded.card.presets)))
+    chosen = load_set(set, robot, preset, gait)
+    loaded, trials = chosen.robot, _chosen(chosen.trials, only)
     store = Store(out)
-    planned = {trial.name: trial.scenarios(robot, preset) for trial in trials}
-    unfit = {name: reason for name, scenarios in planned.items() if (reason := _unfit(scenarios, loaded))}
-    wanted = [scenario for name, scenarios in planned.items() if name not in unfit for scenario in scenarios]
+    unfit = {trial.name: reason for trial in trials if (reason := _unfit(trial.scenarios, loaded))}
+    wanted = [scenario for trial in trials if trial.name not in unfit for scenario in trial.scenarios]
     episodes = run_all(wanted, loaded, store, jobs=jobs, progress=progress, what="walking")
     outcomes = [
-        TrialOutcome(trial, tuple((s, episodes.found.get(s)) for s in planned[trial.name]), unfit.get(trial.name))
+        TrialOutcome(trial, tuple((s, episodes.found.get(s)) for s in trial.scenarios), unfit.get(trial.name))
         for trial in trials
     ]
     counts = Counter(outcome.verdict for outcome in outcomes)
     document = {
         "robot": loaded.card.name,
         "preset": preset,
+        "set": set,
         "identity": loop_identity(loaded),
         "trials": [outcome.document() for outcome in outcomes],
         "verdicts": dict(counts),
@@ -75,13 +77,13 @@ def run_battery(
     return result
 
 
-def _chosen(only: Sequence[str]) -> list[Trial]:
-    """The trials with these names, in the battery's order."""
-    trials = {trial.name: trial for trial in battery_trials()}
+def _chosen(trials: Sequence[Trial], only: Sequence[str]) -> list[Trial]:
+    """The trials with these names, in the set's order."""
+    names = [trial.name for trial in trials]
     for name in only:
-        if name not in trials:
-            raise BadInput("--only", name, "one of " + ", ".join(trials))
-    return [trial for name, trial in trials.items() if not only or name in only]
+        if name not in names:
+            raise BadInput("--only", name, "one of " + ", ".join(names))
+    return [trial for trial in trials if not only or trial.name in only]
 
 
 def _unfit(scenarios: Sequence[Scenario], robot: Robot) -> str:
@@ -119,7 +121,8 @@ class TrialOutcome:
         finished = self.finished
         falls = sum(summary.fell for summary in finished)
         measured = [measure(summary) for summary in finished]
-        return judge(self.trial.limits, self.trial.reported, measured, falls, judged=self.trial.judged)
+        trial, allowed = self.trial, len(self.episodes) - self.trial.least
+        return judge(trial.limits, trial.reported, measured, falls, allowed=allowed, judged=trial.judged)
 
     @property
     def verdict(self) -> str:

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from gaitsmith.experiments.episodes import run_all
-from gaitsmith.experiments.push_grid import Cell, PushGrid, survived
+from gaitsmith.experiments.push_grid import Cell, PushGrid, momentum_unit, survived
 from gaitsmith.experiments.result import Progress
 from gaitsmith.experiments.store import Store
 from gaitsmith.robots import Robot
 
-RESOLUTION = 1.0  # N·s
-CEILING = 200.0  # N·s; nothing larger is tried
+_RESOLUTION = 0.01  # of mass times √(gH), before it is rounded down to 1, 2 or 5 times a power of ten
+_CEILING = 200.0  # resolutions; nothing larger is tried
 _GROWTH = 1.5  # from one survived impulse to the next that is tried
+
+
+def resolution_for(robot: Robot) -> float:
+    """How closely a robot's largest impulse is searched, N·s."""
+    exact = _RESOLUTION * momentum_unit(robot, robot.card.gait.height)
+    decade: float = 10.0 ** math.floor(math.log10(exact))
+    return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= exact)
 
 
 @dataclass
@@ -23,11 +31,13 @@ class Search:
 
     Attributes:
         grid: the gait, directions and phases; its impulse is tried first.
+        resolution: width of a bracket that is narrow enough, N·s.
         low: largest impulse survived at all phases, N·s; 0 if none was.
         high: smallest impulse that was not, N·s; None while none has failed.
     """
 
     grid: PushGrid
+    resolution: float = 1.0
     low: list[float] = field(default_factory=list)
     high: list[float | None] = field(default_factory=list)
 
@@ -36,21 +46,26 @@ class Search:
         self.high = [None] * self.grid.directions
 
     @property
+    def ceiling(self) -> float:
+        """Nothing larger is tried, N·s."""
+        return _CEILING * self.resolution
+
+    @property
     def everywhere(self) -> float:
         """Largest impulse survived in every direction, N·s."""
         return min(self.low)
 
     def next_impulse(self, direction: int) -> float | None:
-        """What to try next, whole N·s; None once the bracket is as narrow as the resolution."""
-        low, high = self.low[direction], self.high[direction]
+        """What to try next, in whole resolutions; None once the bracket is as narrow as one of them."""
+        low, high, step = self.low[direction], self.high[direction], self.resolution
         if high is None:
-            if low >= CEILING:
+            if low >= self.ceiling:
                 return None
-            grown = round(_GROWTH * low / RESOLUTION) * RESOLUTION
-            return self.grid.impulse if low == 0.0 else min(max(grown, low + RESOLUTION), CEILING)
-        if high - low <= RESOLUTION:
+            grown = round(round(_GROWTH * low / step) * step, 9)
+            return self.grid.impulse if low == 0.0 else min(max(grown, low + step), self.ceiling)
+        if high - low <= 1.000001 * step:
             return None
-        middle = round((low + high) / 2.0 / RESOLUTION) * RESOLUTION
+        middle = round(round((low + high) / 2.0 / step) * step, 9)
         return middle if low < middle < high else (low + high) / 2.0
 
     def learn(self, direction: int, impulse: float, stood: bool) -> None:
@@ -65,20 +80,18 @@ class Search:
         grid = self.grid
         return {
             "name": grid.gait_name,
-            "speed": grid.speed,
-            "height": grid.height,
-            "period": grid.period,
+            "scenario": grid.base.model_dump(mode="json", exclude_none=True),
             "directions_deg": [grid.degrees(i) for i in range(grid.directions)],
             "phases": grid.phases,
             "survived": list(self.low),
             "failed": list(self.high),
             "everywhere": self.everywhere,
-            "resolution": RESOLUTION,
+            "resolution": self.resolution,
         }
 
 
 def search_largest(
-    grids: Sequence[PushGrid], robot: str, preset: str, loaded: Robot, store: Store, jobs: int, progress: Progress
+    grids: Sequence[PushGrid], robot: Robot, store: Store, jobs: int, progress: Progress
 ) -> tuple[list[Search], bool]:
     """Search all gaits at the same time, one round of impulses after the other.
 
@@ -90,7 +103,8 @@ def search_largest(
     Raises:
         BadInput: an impulse or gait that the robot's card does not allow.
     """
-    searches = [Search(grid) for grid in grids]
+    resolution = resolution_for(robot)
+    searches = [Search(grid, resolution) for grid in grids]
     number = 0
     while True:
         tried = {
@@ -103,14 +117,11 @@ def search_largest(
             return searches, False
         number += 1
         scenarios = {
-            (k, i): [
-                searches[k].grid.scenario(Cell(i, phase), robot, preset, impulse)
-                for phase in range(searches[k].grid.phases)
-            ]
+            (k, i): [searches[k].grid.scenario(Cell(i, phase), impulse) for phase in range(searches[k].grid.phases)]
             for (k, i), impulse in tried.items()
         }
         wanted = [scenario for group in scenarios.values() for scenario in group]
-        episodes = run_all(wanted, loaded, store, jobs=jobs, progress=progress, what=f"bisecting, round {number}")
+        episodes = run_all(wanted, robot, store, jobs=jobs, progress=progress, what=f"bisecting, round {number}")
         if episodes.interrupted:
             return searches, True
         for (k, i), impulse in tried.items():

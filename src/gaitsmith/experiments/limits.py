@@ -10,12 +10,13 @@ Verdict = Literal["pass", "miss", "report", "skipped", "not run"]
 
 
 class Quantity(NamedTuple):
-    """How a number is called and shown: ``scale`` times the SI value, in ``unit``."""
+    """How a number is called and shown: ``scale`` times the SI value, in ``unit``; ``least``: more is better."""
 
     label: str
     unit: str
     scale: float = 1.0
     digits: int = 1
+    least: bool = False
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -27,9 +28,19 @@ QUANTITIES: dict[str, Quantity] = {
     "pitch": Quantity("pitch", "°", 1.0, 2),
     "drift": Quantity("drift", "m", 1.0, 3),
     "yaw": Quantity("yaw", "°"),
-    "separation": Quantity("separation", "cm", 1e2),
+    "heading": Quantity("heading error", "°", 1.0, 2),
+    "yaw_rate_error": Quantity("yaw rate error", "mrad/s", 1e3),
+    "separation": Quantity("separation", "cm", 1e2, least=True),
     "leg_contacts": Quantity("leg contacts", "", 1.0, 0),
     "saturated": Quantity("torque saturated", "% of ticks", 1e2, 2),
+    "torque_step": Quantity("torque step", "N·m/ms"),
+    "velocity_over": Quantity("velocity over its limit", "% of ticks", 1e2, 2),
+    "distance_error": Quantity("distance error", "%", 1e2, 2),
+    "tilt": Quantity("tilt from the plan", "°", 1.0, 2),
+    "zmp_rms": Quantity("ZMP from the plan", "mm rms", 1e3),
+    "strike_error": Quantity("heel strike pitch error", "%", 1e2, 0),
+    "off_error": Quantity("toe-off pitch error", "%", 1e2, 0),
+    "ball_error": Quantity("ball speed error", "%", 1e2, 0),
     "tick_median": Quantity("median", "µs"),
     "tick_p99": Quantity("99th percentile", "µs"),
     "tick_max": Quantity("longest", "µs", 1.0, 0),
@@ -37,7 +48,7 @@ QUANTITIES: dict[str, Quantity] = {
     "qp_fallbacks": Quantity("QP fallback", "% of ticks", 1e2, 3),
     "allocations": Quantity("allocations", "", 1.0, 0),
     "start_up": Quantity("start to first tick", "s"),
-    "realtime_factor": Quantity("times real time", ""),
+    "realtime_factor": Quantity("times real time", "", least=True),
     "part": Quantity("median", "µs", 1.0, 2),
 }
 """Every quantity that is judged or reported."""
@@ -48,12 +59,16 @@ class Limit(NamedTuple):
 
     Attributes:
         quantity: a name of :data:`QUANTITIES`.
-        bound: the largest value allowed, or the smallest if ``least``.
+        bound: the largest value allowed, or the smallest where more is better.
     """
 
     quantity: str
     bound: float
-    least: bool = False
+
+    @property
+    def least(self) -> bool:
+        """Whether the bound is the smallest value allowed."""
+        return QUANTITIES[self.quantity].least
 
     def met(self, value: float) -> bool:
         """Whether a value keeps the limit; one that is not a number does not."""
@@ -65,7 +80,7 @@ class Limit(NamedTuple):
 
     def target(self) -> str:
         """The limit in words."""
-        label, unit, scale, _ = QUANTITIES[self.quantity]
+        label, unit, scale, *_ = QUANTITIES[self.quantity]
         return f"{label} {'≥' if self.least else '≤'} {scale * self.bound:g}{_spaced(unit)}"
 
 
@@ -111,15 +126,17 @@ def judge(
     episodes: Sequence[Mapping[str, float]],
     falls: int,
     *,
+    allowed: int = 0,
     judged: bool = True,
 ) -> Judgement:
-    """Judge a trial by its worst episode; one fall is a miss whatever the numbers say.
+    """Judge a trial by its worst episode; a fall too many is a miss whatever the numbers say.
 
     Args:
         limits: to keep.
         reported: quantities without a limit; of several episodes the value farthest from zero.
         episodes: measured quantities of each finished episode.
         falls: how many of them fell.
+        allowed: how many may.
         judged: False to report only.
     """
     findings = []
@@ -134,14 +151,14 @@ def judge(
         verdict = "not run"
     elif not judged:
         verdict = "report"
-    elif falls or any(finding.verdict() not in ("pass", "report") for finding in findings):
+    elif falls > allowed or any(finding.verdict() not in ("pass", "report") for finding in findings):
         verdict = "miss"
     return Judgement(verdict, tuple(findings), falls)
 
 
 def shown(quantity: str, value: float | None) -> str:
     """A value with its unit."""
-    _, unit, scale, digits = QUANTITIES[quantity]
+    _, unit, scale, digits, _ = QUANTITIES[quantity]
     return "–" if value is None else f"{scale * value:.{digits}f}{_spaced(unit)}"
 
 

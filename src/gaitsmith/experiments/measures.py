@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from gaitsmith.simulation import Summary
 
 
@@ -9,8 +11,8 @@ def measure(summary: Summary) -> dict[str, float]:
     """Quantities of :data:`gaitsmith.experiments.limits.QUANTITIES`; those that the episode does not have are absent.
 
     Errors are the largest magnitudes over all walking stages, in SI units; ``speed_bias`` is signed and of the last
-    walking stage. Roll and pitch, in degrees, are the largest magnitudes over every stage, rests and the beginnings
-    of stages included.
+    walking stage. Roll, pitch and heading error, in degrees, are the largest magnitudes over every stage, rests and
+    the beginnings of stages included.
     """
     found: dict[str, float] = {
         "drift": summary.drift,
@@ -30,4 +32,33 @@ def measure(summary: Summary) -> dict[str, float]:
         found["lateral_error"] = max(abs(stage.vy_error) for stage in walking)
         found["height_error"] = max(abs(stage.height_error) for stage in walking)
         found["speed_bias"] = walking[-1].vx_error
+    return found | _later(summary.model_dump())
+
+
+def _later(summary: dict[str, Any]) -> dict[str, float]:
+    """Quantities of parts that not every run has."""
+    found = {}
+    stages = summary["stages"]
+    if stages and "heading_drift_deg" in stages[0]:
+        found["heading"] = max(abs(stage["heading_drift_deg"]) for stage in stages)
+        walking = [abs(stage["yaw_rate_error"]) for stage in stages if not stage["rest"]]
+        if walking:
+            found["yaw_rate_error"] = max(walking)
+    for name, key in (("torque_step", "torque_step_max"), ("velocity_over", "velocity_over")):
+        if summary.get(key):
+            found[name] = max(summary[key].values())
+    if tracking := summary.get("tracking"):
+        pitch, ball = tracking["foot_pitch_deg"], tracking["ball"]
+        found["distance_error"] = _relative(tracking["distance"], tracking["planned_distance"])
+        found["tilt"] = max(map(abs, tracking["tilt_deg"].values()))
+        found["zmp_rms"] = 1e-3 * tracking["zmp_rms_mm"]
+        found["strike_error"] = _relative(pitch["strike"], pitch["planned_strike"])
+        found["off_error"] = _relative(pitch["off"], pitch["planned_off"])
+        if ball:
+            found["ball_error"] = _relative(ball["speed"], ball["planned_speed"])
     return found
+
+
+def _relative(value: float | None, planned: float | None) -> float:
+    """Error as a share of what was planned; 0 where nothing was."""
+    return abs((value or 0.0) / planned - 1.0) if planned else 0.0

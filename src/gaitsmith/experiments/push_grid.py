@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from gaitsmith.experiments.limits import Limit, Verdict
+from gaitsmith.robots import Robot
 from gaitsmith.simulation import Scenario, Summary
 from gaitsmith.simulation.scenario import make_scenario
 
 SURVIVAL = 10.0  # s from the beginning of the push
-_STANDING, _SETTLING = 1.0, 3.0  # s before the walk, and of the walk before the push
+_SETTLING = 3.0  # s of the walk before the push
 _LONGEST_STEP = 1.6  # periods; a stride that late still leaves the whole survival time
+_UNKNOWN_PERIOD = 1.0  # s, of a planned gait
 
 
 class Cell(NamedTuple):
@@ -24,31 +28,34 @@ class Cell(NamedTuple):
     phase: int
 
 
+def momentum_unit(robot: Robot, height: float) -> float:
+    """Mass times √(gH), N·s: pushes that are the same share of it are alike to robots of any size."""
+    return robot.mass * math.sqrt(-robot.model.opt.gravity[2] * height)
+
+
 @dataclass(frozen=True)
 class PushGrid:
-    """Pushes of one impulse in all directions at all phases, in one gait.
+    """Pushes of one impulse in all directions at all phases of one walk.
 
     Attributes:
         impulse: N·s, horizontal, at the torso's CoM, lasting 0.1 s.
-        speed: forward, m/s.
-        height: hip midpoint above the stance sole, m.
-        period: of one step, s.
-        least: share of the cells that have to be survived; None to report only.
-        goal: share that is aimed at.
+        base: the walk that is pushed.
+        least: how many cells have to be survived; None to report only.
+        goal: how many are aimed at.
         separation: limit on the smallest foot separation over the survived cells; None to report only.
-        directions: evenly around the robot, the first one forward, then to the left.
+        directions: evenly around the robot, to the left from the first one on.
         phases: evenly over a stride, the first one at the beginning of a left stance.
+        offset: of the first direction from forward, degrees.
     """
 
     impulse: float
-    speed: float
-    height: float
-    period: float
-    least: float | None = None
-    goal: float | None = None
+    base: Scenario
+    least: int | None = None
+    goal: int | None = None
     separation: Limit | None = None
     directions: int = 8
     phases: int = 12
+    offset: float = 0.0
 
     @property
     def name(self) -> str:
@@ -57,13 +64,17 @@ class PushGrid:
 
     @property
     def gait_name(self) -> str:
-        """The gait in words."""
-        return f"T {self.period:g} s, H {self.height:g} m, " + (f"{self.speed:g} m/s" if self.speed else "in place")
+        """The walk in words."""
+        base, (vx, vy) = self.base, self.base.speed or (0.0, 0.0)
+        if gait := getattr(base, "gait", None):
+            return Path(gait).stem
+        moving = " ".join(f"{speed:g}" for speed in ((vx, vy) if vy else (vx,))) + " m/s"
+        return f"T {base.period:g} s, H {base.height:g} m, " + (moving if vx or vy else "in place")
 
     @property
     def slug(self) -> str:
         """The grid as part of a file's name."""
-        return f"push_J{self.impulse:g}_T{self.period:g}_H{self.height:g}_V{self.speed:g}"
+        return "push_J" + re.sub(r"[^\w.]+", "_", self.name)
 
     @property
     def cells(self) -> tuple[Cell, ...]:
@@ -72,52 +83,29 @@ class PushGrid:
 
     def degrees(self, direction: int) -> float:
         """Direction of a push: 0 forward, 90 to the left."""
-        return 360.0 * direction / self.directions
+        return self.offset + 360.0 * direction / self.directions
 
-    def scenario(self, cell: Cell, robot: str, preset: str, impulse: float | None = None) -> Scenario:
+    def scenario(self, cell: Cell, impulse: float | None = None) -> Scenario:
         """The episode of one cell: stand, walk, settle, be pushed, survive.
 
         Args:
             cell: direction and phase.
-            robot: name or path.
-            preset: control parameters.
             impulse: instead of the grid's, N·s.
 
         Raises:
             BadInput: a number of the grid is out of any range.
         """
         size = self.impulse if impulse is None else impulse
-        angle = 2.0 * math.pi * cell.direction / self.directions
-        pushed_at = _STANDING + _SETTLING
+        angle = math.radians(self.degrees(cell.direction))
+        pushed_at = self.base.rest_before + _SETTLING
         push = {
             "time": pushed_at,
             "phase": cell.phase / self.phases,
             "impulse": [round(size * math.cos(angle), 9), round(size * math.sin(angle), 9), 0.0],
         }
-        return make_scenario(
-            {
-                "robot": robot,
-                "preset": preset,
-                "duration": round(pushed_at + 2.0 * _LONGEST_STEP * self.period + SURVIVAL, 3),
-                "rest_before": _STANDING,
-                "speed": [self.speed, 0.0],
-                "height": self.height,
-                "period": self.period,
-                "pushes": [push],
-            }
-        )
-
-
-_APART = Limit("separation", 0.04, least=True)
-STANDARD_GRIDS = (
-    *(
-        PushGrid(15.0, speed, height, 0.4, least=1.0, goal=1.0, separation=_APART)
-        for height in (0.66, 0.70)
-        for speed in (0.0, 0.4)
-    ),
-    PushGrid(40.0, 0.0, 0.66, 0.25, least=86 / 96, goal=1.0),
-)
-"""The grids that the default preset is judged by."""
+        stride = 2.0 * _LONGEST_STEP * (self.base.period or _UNKNOWN_PERIOD)
+        fields = {"duration": round(pushed_at + stride + SURVIVAL, 3), "rest_after": 0.0, "pushes": [push]}
+        return make_scenario({**self.base.model_dump(mode="json", exclude_none=True), **fields})
 
 
 def survival_time(summary: Summary) -> float:
@@ -166,7 +154,7 @@ class GridOutcome:
         if grid.least is None:
             return "report"
         fell = len(self.found) - len(self.survivors)
-        if total - fell < grid.least * total - 1e-9:
+        if total - fell < grid.least:
             return "miss"
         closest = self.closest
         if grid.separation is not None and closest is not None and not grid.separation.met(closest[0]):
@@ -197,16 +185,14 @@ class GridOutcome:
             "name": grid.name,
             "slug": grid.slug,
             "impulse": grid.impulse,
-            "speed": grid.speed,
-            "height": grid.height,
-            "period": grid.period,
+            "scenario": grid.base.model_dump(mode="json", exclude_none=True),
             "directions_deg": [grid.degrees(i) for i in range(grid.directions)],
             "phases": [k / grid.phases for k in range(grid.phases)],
             "total": len(grid.cells),
             "run": len(self.found),
             "survived": len(self.survivors),
-            "least": None if grid.least is None else math.ceil(grid.least * len(grid.cells) - 1e-9),
-            "goal": None if grid.goal is None else math.ceil(grid.goal * len(grid.cells) - 1e-9),
+            "least": grid.least,
+            "goal": grid.goal,
             "verdict": self.verdict(),
             "min_separation": closest[0] if closest else None,
             "min_separation_at": [grid.degrees(closest[1].direction), closest[1].phase / grid.phases]

@@ -1,4 +1,4 @@
-"""``gaitsmith bench push``: the standard grids of pushes, one grid of one's own, or the largest impulse survived."""
+"""``gaitsmith bench push``: a set's grids of pushes, one grid of one's own, or the largest impulse survived."""
 
 from __future__ import annotations
 
@@ -12,24 +12,28 @@ from gaitsmith.experiments.episodes import run_all
 from gaitsmith.experiments.identity import loop_identity
 from gaitsmith.experiments.largest import Search, search_largest
 from gaitsmith.experiments.limits import shown
-from gaitsmith.experiments.push_grid import STANDARD_GRIDS, Cell, GridOutcome, PushGrid
+from gaitsmith.experiments.push_grid import Cell, GridOutcome, PushGrid, momentum_unit
 from gaitsmith.experiments.result import Progress, Result, silent
+from gaitsmith.experiments.sets import load_set, walking
 from gaitsmith.experiments.store import Store
-from gaitsmith.robots import Robot, load_robot
+from gaitsmith.robots import Robot
 from gaitsmith.simulation.scenario import check_scenario
 
-_DEFAULT_IMPULSE = 15.0  # N·s
+_STRENGTH = 0.15  # of mass times √(gH), without an impulse
 
 
 def push_grids(
-    robot: str = "bhr_b2",
+    set: str = "walks",
+    robot: str | None = None,
     preset: str = "default",
+    gait: str | None = None,
     impulse: float | None = None,
-    speed: float | None = None,
+    strength: float | None = None,
+    speed: Sequence[float] | None = None,
     height: float | None = None,
     period: float | None = None,
-    directions: int = 8,
-    phases: int = 12,
+    directions: int | None = None,
+    phases: int | None = None,
     largest: bool = False,
     jobs: int = 1,
     out: str | Path = "runs/bench",
@@ -37,19 +41,22 @@ def push_grids(
 ) -> Result:
     """Push the walking robot; see :class:`gaitsmith.experiments.PushGrid`.
 
-    Without ``impulse``, ``speed``, ``height`` and ``period`` all standard grids are run; those whose gait the robot's
-    card does not allow are skipped. With one of them a single grid is run, of 15 N·s, in place, at the card's height
-    and period where not given.
+    Without ``impulse``, ``strength``, ``speed``, ``height`` and ``period`` all grids of the set are run; those whose
+    walk the robot's card does not allow are skipped. With one of them a single grid is run, of a strength of 0.15,
+    in place, at the card's height and period where not given.
 
     Args:
-        robot: name or path.
+        set: name or path; see :func:`gaitsmith.experiments.load_set`.
+        robot: name or path; the set's own if None.
         preset: control parameters of the card.
+        gait: planned gait that is walked; the template if None.
         impulse: N·s.
-        speed: forward, m/s.
+        strength: the same over mass times √(gH).
+        speed: forward and to the left, m/s.
         height: hip midpoint above the stance sole, m.
         period: of one step, s.
-        directions: number of directions.
-        phases: number of phases.
+        directions: number of directions; the set's, or 8.
+        phases: number of phases; the set's, or 12.
         largest: search, for each gait, the largest impulse that is survived at all phases, direction by direction.
         jobs: processes.
         out: folder of the finished episodes; ``push.json`` or ``push_largest.json`` is written there too.
@@ -58,66 +65,58 @@ def push_grids(
     Raises:
         BadInput: an option, the robot, or the folder cannot be used.
     """
-    loaded = load_robot(robot)
-    _check(loaded, preset, directions, phases, impulse)
-    single = any(value is not None for value in (impulse, speed, height, period))
-    grids: Sequence[PushGrid] = STANDARD_GRIDS
+    chosen = load_set(set, robot, preset, gait)
+    loaded, grids = chosen.robot, chosen.grids
+    walk = {"speed": speed, "height": height, "period": period}
+    single = impulse is not None or strength is not None or any(value is not None for value in walk.values())
     if single:
-        gait = loaded.card.gait
-        grids = (
-            PushGrid(
-                impulse=_DEFAULT_IMPULSE if impulse is None else impulse,
-                speed=0.0 if speed is None else speed,
-                height=gait.height if height is None else height,
-                period=gait.period if period is None else period,
-            ),
-        )
-    grids = [replace(grid, directions=directions, phases=phases) for grid in grids]
+        unit = momentum_unit(loaded, loaded.card.gait.height if height is None else height)
+        size = (_STRENGTH if strength is None else strength) * unit if impulse is None else impulse
+        if not 0.0 < size <= 1000.0:
+            raise BadInput("--impulse" if strength is None else "--strength", size, "more than 0 to 1000 N·s")
+        base = walking({**chosen.base, **{name: value for name, value in walk.items() if value is not None}}, loaded)
+        grids = (PushGrid(round(size, 3), base),)
+    counts = {"directions": directions, "phases": phases}
+    for name, value in counts.items():
+        if value is not None and not 1 <= value <= 360:
+            raise BadInput(f"--{name}", value, "1 to 360")
+    given: dict[str, Any] = {name: value for name, value in counts.items() if value is not None}
+    if given:
+        grids = tuple(replace(grid, least=None, goal=None, **given) for grid in grids)
+    if largest:  # the gaits of the set, each once, beginning with its largest impulse
+        grids = tuple({grid.base: grid for grid in sorted(grids, key=lambda grid: grid.impulse)}.values())
     skipped: dict[PushGrid, str] = {}
     for grid in grids:
         try:
-            check_scenario(grid.scenario(Cell(0, 0), robot, preset), loaded)
+            check_scenario(grid.scenario(Cell(0, 0)), loaded)
         except BadInput as error:
             if single:
                 raise BadInput(f"--{error.field.split('[')[0]}", error.value, error.valid, error.remedy) from None
             skipped[grid] = f"{error.field} {error.value} is not {error.valid}"
     store = Store(out)
-    head = {"robot": loaded.card.name, "preset": preset, "identity": loop_identity(loaded)}
-    grids = [grid for grid in grids if grid not in skipped]
+    head = {"robot": loaded.card.name, "preset": preset, "set": set, "identity": loop_identity(loaded)}
+    fit = [grid for grid in grids if grid not in skipped]
     if largest:
-        searches, interrupted = search_largest(grids, robot, preset, loaded, store, jobs, progress)
+        searches, interrupted = search_largest(fit, loaded, store, jobs, progress)
         result = _largest_result(head, searches, skipped, interrupted)
     else:
-        result = _run_grids(head, grids, skipped, robot, preset, loaded, store, jobs, progress)
+        result = _run_grids(head, fit, skipped, loaded, store, jobs, progress)
     result.write(store.path.with_name("push_largest.json" if largest else "push.json"))
     return result
-
-
-def _check(robot: Robot, preset: str, directions: int, phases: int, impulse: float | None) -> None:
-    """Refuse what no scenario check would name by its option."""
-    if preset not in robot.card.presets:
-        raise BadInput("--preset", preset, "one of " + ", ".join(sorted(robot.card.presets)))
-    for name, value in (("--directions", directions), ("--phases", phases)):
-        if not 1 <= value <= 360:
-            raise BadInput(name, value, "1 to 360")
-    if impulse is not None and not 0.0 < impulse <= 1000.0:
-        raise BadInput("--impulse", impulse, "more than 0 to 1000 N·s")
 
 
 def _run_grids(
     head: dict[str, Any],
     grids: Sequence[PushGrid],
     skipped: dict[PushGrid, str],
-    robot: str,
-    preset: str,
-    loaded: Robot,
+    robot: Robot,
     store: Store,
     jobs: int,
     progress: Progress,
 ) -> Result:
     """Run every cell of every grid, and tabulate."""
-    scenarios = {(grid, cell): grid.scenario(cell, robot, preset) for grid in grids for cell in grid.cells}
-    episodes = run_all(scenarios.values(), loaded, store, jobs=jobs, progress=progress, what="pushing")
+    scenarios = {(grid, cell): grid.scenario(cell) for grid in grids for cell in grid.cells}
+    episodes = run_all(scenarios.values(), robot, store, jobs=jobs, progress=progress, what="pushing")
     outcomes = [
         GridOutcome(
             grid,
@@ -155,7 +154,7 @@ def _row(outcome: GridOutcome) -> tuple[str, ...]:
     """One grid in words."""
     document, closest, grid = outcome.document(), outcome.closest, outcome.grid
     target = "report" if document["least"] is None else f"≥ {document['least']} of {document['total']}"
-    if document["goal"] is not None and document["goal"] > document["least"]:
+    if grid.goal is not None and grid.goal > (grid.least or 0):
         target += f", goal {document['goal']}"
     if grid.separation is not None:
         target += f"; {grid.separation.target()}"
@@ -189,7 +188,7 @@ def _largest_result(
         ("gait", "in every direction", "by direction, N·s (0° forward, 90° to the left)"),
         tuple(rows),
         (
-            "survived at all phases; bisection to 1 N·s, so one impulse above has been seen to fail",
+            "survived at all phases; an impulse above by the width of the bracket has been seen to fail",
             *_skip_notes(skipped),
         ),
         interrupted,

@@ -35,7 +35,7 @@ _LIMITS = {
     "qp_fallbacks": Limit("qp_fallbacks", 0.01),
     "allocations": Limit("allocations", 0),
     "start_up": Limit("start_up", 5.0),
-    "realtime_factor": Limit("realtime_factor", 8.0, least=True),
+    "realtime_factor": Limit("realtime_factor", 8.0),
 }
 
 
