@@ -31,6 +31,8 @@ bench: $(READY)
 	@$(BIN)/gaitsmith bench tick
 	@$(BIN)/gaitsmith bench push --jobs $(WORKERS)
 	@$(BIN)/gaitsmith bench battery --jobs $(WORKERS)
+	@$(BIN)/gaitsmith bench battery --set courses --jobs $(WORKERS)
+	@$(BIN)/gaitsmith bench push --set courses --jobs $(WORKERS)
 
 lint: $(READY)
 	@$(BIN)/ruff check

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,10 +12,9 @@ from tests.simulation.standing import robot
 
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments import push_grids
-from gaitsmith.experiments.largest import CEILING, RESOLUTION, Search
+from gaitsmith.experiments.largest import Search, resolution_for
 from gaitsmith.experiments.limits import Limit
 from gaitsmith.experiments.push_grid import (
-    STANDARD_GRIDS,
     SURVIVAL,
     Cell,
     GridOutcome,
@@ -23,29 +23,17 @@ from gaitsmith.experiments.push_grid import (
     survival_time,
     survived,
 )
-from gaitsmith.simulation.scenario import check_scenario
+from gaitsmith.experiments.sets import TrialSet
+from gaitsmith.robots import load_robot
+from gaitsmith.simulation.scenario import make_scenario
 
-GRID = PushGrid(15.0, 0.4, 0.66, 0.4, least=0.5, goal=1.0, separation=Limit("separation", 0.04, least=True))
-SMALL = PushGrid(15.0, 0.0, 0.66, 0.4, least=0.5, directions=2, phases=2)
-
-
-def test_the_standard_grids_are_five_of_96():
-    assert [(g.impulse, g.speed, g.height, g.period) for g in STANDARD_GRIDS] == [
-        (15.0, 0.0, 0.66, 0.4),
-        (15.0, 0.4, 0.66, 0.4),
-        (15.0, 0.0, 0.70, 0.4),
-        (15.0, 0.4, 0.70, 0.4),
-        (40.0, 0.0, 0.66, 0.25),
-    ]
-    assert all(len(grid.cells) == 96 for grid in STANDARD_GRIDS)
-    scenarios = {grid.scenario(cell, "bhr_b2", "default") for grid in STANDARD_GRIDS for cell in grid.cells}
-    assert len(scenarios) == 480
-    for scenario in scenarios:
-        check_scenario(scenario, robot())
+WALK = make_scenario({"speed": [0.4, 0.0], "height": 0.66, "period": 0.4})
+GRID = PushGrid(15.0, WALK, least=48, goal=96, separation=Limit("separation", 0.04))
+SMALL = PushGrid(15.0, WALK, least=2, directions=2, phases=2)
 
 
 def test_pushes_point_evenly_around_and_through_the_stride():
-    pushes = [GRID.scenario(cell, "bhr_b2", "default").pushes[0] for cell in GRID.cells]
+    pushes = [GRID.scenario(cell).pushes[0] for cell in GRID.cells]
     np.testing.assert_allclose([np.linalg.norm(push.impulse) for push in pushes], 15.0, rtol=1e-8)
     directions = [math.degrees(math.atan2(push.impulse[1], push.impulse[0])) % 360.0 for push in pushes[::12]]
     np.testing.assert_allclose(directions, np.arange(8) * 45.0, atol=1e-6)
@@ -54,8 +42,8 @@ def test_pushes_point_evenly_around_and_through_the_stride():
 
 
 def test_the_slowest_stride_leaves_time_to_survive():
-    scenario = GRID.scenario(Cell(0, 11), "bhr_b2", "default")
-    assert scenario.duration - scenario.pushes[0].time >= 2 * 1.6 * GRID.period + SURVIVAL - 1e-9
+    scenario = GRID.scenario(Cell(0, 11))
+    assert scenario.duration - scenario.pushes[0].time >= 2 * 1.6 * WALK.period + SURVIVAL - 1e-9
     assert scenario.pushes[0].time - scenario.walk_from >= 3.0
 
 
@@ -113,20 +101,31 @@ def test_the_first_limit_of_a_fall():
 
 @pytest.mark.parametrize("largest", [0.4, 7.0, 15.0, 16.2, 33.3, 80.0])
 def test_bisection_finds_the_largest(largest):
-    search, tries = Search(PushGrid(15.0, 0.0, 0.66, 0.4, directions=1)), 0
+    search, tries = Search(replace(GRID, directions=1)), 0
     while (impulse := search.next_impulse(0)) is not None:
         search.learn(0, impulse, impulse <= largest)
         tries += 1
-    assert search.low[0] <= largest < search.high[0] <= search.low[0] + RESOLUTION
+    assert search.low[0] <= largest < search.high[0] <= search.low[0] + search.resolution
     assert tries <= 12
     assert search.everywhere == search.low[0]
 
 
+def test_the_bracket_shrinks_with_the_robot():
+    large, small = resolution_for(robot()), resolution_for(load_robot("thbip_ii"))
+    assert (large, small) == (1.0, 0.2)
+
+
+def test_a_strength_is_an_impulse_over_mass_and_leg(tmp_path):
+    result = push_grids(strength=0.1, height=0.66, directions=1, phases=1, out=tmp_path)
+    expected = 0.1 * robot().mass * math.sqrt(9.81 * 0.66)
+    assert result.document["grids"][0]["impulse"] == pytest.approx(expected, abs=1e-3)
+
+
 def test_bisection_ends_at_the_ceiling():
-    search = Search(PushGrid(15.0, 0.0, 0.66, 0.4, directions=1))
+    search = Search(replace(GRID, directions=1))
     while (impulse := search.next_impulse(0)) is not None:
         search.learn(0, impulse, True)
-    assert (search.low[0], search.high[0]) == (CEILING, None)
+    assert (search.low[0], search.high[0]) == (search.ceiling, None)
 
 
 def test_a_tiny_grid_really_runs_and_is_not_repeated(tmp_path):
@@ -152,6 +151,8 @@ def test_a_tiny_grid_really_runs_and_is_not_repeated(tmp_path):
         ({"height": 9.0}, "--height"),
         ({"period": -1.0}, "--period"),
         ({"speed": math.inf}, "--speed"),
+        ({"strength": 0.0}, "--strength"),
+        ({"set": "none"}, "--set"),
         ({"directions": 0}, "--directions"),
         ({"phases": 999}, "--phases"),
     ],
@@ -165,7 +166,8 @@ def test_options_that_cannot_be_used_are_named(tmp_path, options, field):
 def test_grids_outside_the_card_s_limits_are_skipped(tmp_path, monkeypatch):
     from gaitsmith.experiments import pushing
 
-    monkeypatch.setattr(pushing, "STANDARD_GRIDS", (PushGrid(15.0, 0.0, 0.9, 0.4),))
+    grid = PushGrid(15.0, make_scenario({"height": 0.9, "period": 0.4}))
+    monkeypatch.setattr(pushing, "load_set", lambda *_: TrialSet("made_up", robot(), (), (grid,), {}))
     result = push_grids(out=tmp_path)
     assert result.rows == (("15 N·s, T 0.4 s, H 0.9 m, in place", "", "", "", "skipped"),)
     assert "height 0.9" in result.notes[0]

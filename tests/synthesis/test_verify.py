@@ -111,4 +111,3 @@ def test_what_is_not_a_number_is_a_problem(dynamic, robot, key):
 def test_ground_that_bears_nothing_is_a_problem(dynamic, robot):
     verdict = verify(_changed(dynamic.gait, 0, wrench=lambda table: 0.0 * table), robot, SPARSE)
     assert any("ZMP margin: not a number" in text for text in verdict.problems)
-

@@ -7,10 +7,12 @@ import json
 from importlib.metadata import version
 
 from gaitsmith.compiled.cache import source_key
+from gaitsmith.files import read_bounded
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.scenario import Scenario
 
 _LOOP = "gaitsmith.simulation.episode"
+_LARGEST_GAIT = 100_000_000  # bytes
 
 
 def loop_identity(robot: Robot) -> str:
@@ -24,8 +26,10 @@ def episode_key(loop: str, scenario: Scenario) -> str:
 
     Args:
         loop: from :func:`loop_identity`.
-        scenario: its robot's name or path does not count, the robot's content does.
+        scenario: the robot's and the gait's names or paths do not count, their contents do.
     """
     fields = scenario.model_dump(mode="json", exclude={"robot"})
+    if gait := fields.get("gait"):
+        fields["gait"] = hashlib.sha256(read_bounded(gait, _LARGEST_GAIT)).hexdigest()
     text = json.dumps(fields, sort_keys=True, allow_nan=False)
     return hashlib.sha256(f"{loop}\n{text}".encode()).hexdigest()[:32]

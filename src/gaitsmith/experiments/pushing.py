@@ -70,19 +70,25 @@ def push_grids(
     walk = {"speed": speed, "height": height, "period": period}
     single = impulse is not None or strength is not None or any(value is not None for value in walk.values())
     if single:
-        unit = momentum_unit(loaded, loaded.card.gait.height if height is None else height)
+        try:
+            base = walking(
+                {**chosen.base, **{name: value for name, value in walk.items() if value is not None}}, loaded
+            )
+            check_scenario(base, loaded)
+        except BadInput as error:
+            raise BadInput(f"--{error.field.split('[')[0]}", error.value, error.valid, error.remedy) from None
+        unit = momentum_unit(loaded, base.height or loaded.card.gait.height)
         size = (_STRENGTH if strength is None else strength) * unit if impulse is None else impulse
         if not 0.0 < size <= 1000.0:
             raise BadInput("--impulse" if strength is None else "--strength", size, "more than 0 to 1000 N·s")
-        base = walking({**chosen.base, **{name: value for name, value in walk.items() if value is not None}}, loaded)
         grids = (PushGrid(round(size, 3), base),)
     counts = {"directions": directions, "phases": phases}
     for name, value in counts.items():
         if value is not None and not 1 <= value <= 360:
             raise BadInput(f"--{name}", value, "1 to 360")
-    given: dict[str, Any] = {name: value for name, value in counts.items() if value is not None}
-    if given:
-        grids = tuple(replace(grid, least=None, goal=None, **given) for grid in grids)
+    changed: dict[str, Any] = {name: value for name, value in counts.items() if value is not None}
+    if changed:
+        grids = tuple(replace(grid, least=None, goal=None, **changed) for grid in grids)
     if largest:  # the gaits of the set, each once, beginning with its largest impulse
         grids = tuple({grid.base: grid for grid in sorted(grids, key=lambda grid: grid.impulse)}.values())
     skipped: dict[PushGrid, str] = {}
@@ -90,8 +96,6 @@ def push_grids(
         try:
             check_scenario(grid.scenario(Cell(0, 0)), loaded)
         except BadInput as error:
-            if single:
-                raise BadInput(f"--{error.field.split('[')[0]}", error.value, error.valid, error.remedy) from None
             skipped[grid] = f"{error.field} {error.value} is not {error.valid}"
     store = Store(out)
     head = {"robot": loaded.card.name, "preset": preset, "set": set, "identity": loop_identity(loaded)}
