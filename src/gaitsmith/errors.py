@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import reprlib
+
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = 100
+
 
 class GaitsmithError(Exception):
     """Base of all errors raised on purpose by this package."""
@@ -22,11 +27,32 @@ class BadInput(GaitsmithError):
         self.value = value
         self.valid = valid
         self.remedy = remedy
-        shown = "nothing" if value is None else repr(value)
-        if len(shown) > 80:
-            shown = shown[:77] + "..."
-        message = f"{field}: got {shown}, expected {valid}"
-        super().__init__(" ".join((message + (f"; {remedy}" if remedy else "")).split()))
+        message = f"{_cut(field, 200)}: got {_shown(value)}, expected {_cut(valid, 320)}"
+        super().__init__(" ".join((message + (f"; {_cut(remedy, 200)}" if remedy else "")).split()))
+
+    def within(self, source: str) -> BadInput:
+        """The same error, its field found in a source, such as a file; an empty source changes nothing."""
+        return self.named(": ".join(part for part in (source, self.field) if part) or "input")
+
+    def named(self, field: str) -> BadInput:
+        """The same error, its field named as the user wrote it."""
+        return BadInput(field, self.value, self.valid, self.remedy)
+
+
+def _shown(value: object) -> str:
+    """The value in at most 80 characters; whole numbers of many digits cannot be written out."""
+    if value is None:
+        return "nothing"
+    if type(value) is int and value.bit_length() > 200:
+        return f"a whole number of about {int(value.bit_length() * 0.30103)} digits"
+    try:
+        return _cut(_REPR.repr(value), 80)
+    except ValueError:
+        return f"a {type(value).__name__}"
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else text[: most - 3] + "..."
 
 
 class CacheRefused(GaitsmithError):

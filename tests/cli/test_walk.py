@@ -103,7 +103,7 @@ def test_bad_input_is_one_line_that_names_the_field(words: list[str], part: str)
     [
         ("", "at least one field"),
         ("duration = [", "TOML"),
-        ("durashun = 3", "no such field"),
+        ("durashun = 3", "no such entry"),
         ("duration = nan", "duration"),
         ("duration = 9\n[[changes]]\ntime = 5\nspeed = 0.1\n[[changes]]\ntime = 4\nspeed = 0.2", "changes[1].time"),
         ("height = 5.0", "height: got 5.0"),

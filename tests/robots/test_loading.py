@@ -203,3 +203,14 @@ def test_legs_that_are_swapped_left_for_right_are_refused() -> None:
         leg["name"] = "left" if leg["name"] == "right" else "right"
     with pytest.raises(BadInput, match="the left hip at the larger y"):
         build(data)
+
+
+def test_names_of_shipped_robots_may_be_written_with_dashes() -> None:
+    assert load_robot("thbip-ii").content_hash == load_robot("thbip_ii").content_hash
+
+
+@pytest.mark.parametrize("name", ["=head", "he\u00a0ad", "head\n", " head"])
+def test_names_of_the_model_are_plain_text(name: str, tmp_path: Path) -> None:
+    text = bhr_text().replace('<site name="imu"', f'<site name="{name}"/><site name="imu"')
+    with pytest.raises(BadInput, match="printable"):
+        build_model(text, tmp_path)

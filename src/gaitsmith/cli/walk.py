@@ -207,6 +207,6 @@ def _portable(scenario: Scenario) -> Scenario:
     """The scenario with a robot's path made absolute, so that it runs from any folder."""
     from gaitsmith.robots import robot_names
 
-    if scenario.robot in robot_names():
+    if scenario.robot.replace("-", "_") in robot_names():
         return scenario
     return scenario.model_copy(update={"robot": str(Path(scenario.robot).resolve())})

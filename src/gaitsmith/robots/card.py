@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from gaitsmith.documents import Name
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import (
     ControlParameters,
@@ -19,7 +20,6 @@ from gaitsmith.robots.parameters import (
     check_gait,
 )
 
-Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
 PresetName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 Triple = tuple[Finite, Finite, Finite]
 

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.documents import check_name
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.assembly import ModelText, assemble, compiled, sole_frame
 from gaitsmith.robots.card import LegCard, RobotCard
@@ -71,6 +72,7 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
         raise BadInput(f"{entry}: root element", root.tag, "mujoco (MJCF) or robot (URDF)")
     spec, notes = assemble(source, card, label)
     model, heard = compiled(spec, entry)
+    _check_names(model, entry)
     _check_numbers(model, entry)
     _check_mass(model, card, source, label)
     names = tuple(model.joint(joint).name for joint in range(1, model.njnt))
@@ -110,8 +112,8 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
 
 def _card_path(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
-    if isinstance(name_or_path, str) and text in robot_names():
-        return SHIPPED / text / CARD_NAME
+    if isinstance(name_or_path, str) and text.replace("-", "_") in robot_names():
+        return SHIPPED / text.replace("-", "_") / CARD_NAME
     path = Path(text)
     try:
         if path.suffix == ".toml" and path.is_file():
@@ -122,6 +124,15 @@ def _card_path(name_or_path: str | Path) -> Path:
         pass
     valid = f"{', '.join(robot_names())}, a card (.toml), or a folder with a {CARD_NAME}"
     raise BadInput("robot", text, valid)
+
+
+def _check_names(model: mujoco.MjModel, entry: str) -> None:
+    for kind, count in (("body", model.nbody), ("joint", model.njnt), ("site", model.nsite)):
+        for name in (getattr(model, kind)(index).name for index in range(count)):
+            try:
+                check_name(name or kind)
+            except ValueError as error:
+                raise BadInput(f"{entry}: {kind}", name, f"a name of {error}") from None
 
 
 def _check_numbers(model: mujoco.MjModel, entry: str) -> None:

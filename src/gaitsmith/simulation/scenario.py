@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, create_model, field_validator, model_validator
 
+from gaitsmith.documents import checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
@@ -23,7 +21,6 @@ from gaitsmith.simulation.terrain import Region, parse_terrain
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
-_MAX_BYTES = 1_000_000
 _MAX_DURATION = 3600.0
 _MARGIN = 3.0  # m of prepared ground around the commanded path
 _SAMPLES = 17  # of a turn
@@ -56,12 +53,12 @@ class Command(_Inputs):
     @classmethod
     def _forward_alone(cls, given: Any) -> Any:
         """A single number is a forward speed."""
+        pair = given if isinstance(given, list | tuple) else [given]
         if given is None:
             return None
-        pair = list(given) if isinstance(given, list | tuple) else [given]
-        if not 1 <= len(pair) <= 2 or not all(type(n) in (int, float) and math.isfinite(n) for n in pair):
+        if not 1 <= len(pair) <= 2 or not all(type(number) in (int, float) for number in pair):
             raise ValueError("one or two finite numbers, m/s, forward and to the left")
-        return (float(pair[0]), float(pair[1]) if len(pair) == 2 else 0.0)
+        return tuple(pair) if len(pair) == 2 else (pair[0], 0.0)
 
     def given(self) -> dict[str, Any]:
         """The inputs that are set, as keyword arguments of :meth:`gaitsmith.control.Controller.command`."""
@@ -194,19 +191,12 @@ def make_scenario(fields: dict[str, Any], source: str = "") -> Scenario:
 
     Args:
         fields: names and values of :class:`Scenario`.
-        source: put before the field's name in an error, such as a file name.
+        source: what errors begin with, such as a file name.
 
     Raises:
         BadInput: naming the first field that is wrong, its value, and what is valid.
     """
-    try:
-        return Scenario.model_validate_json(json.dumps(fields, default=str), strict=True)
-    except ValidationError as error:
-        raise _bad_input(error, source) from None
-    except BadInput as error:
-        raise BadInput(f"{source}{error.field}", error.value, error.valid, error.remedy) from None
-    except (RecursionError, TypeError, ValueError) as error:
-        raise BadInput(f"{source}scenario", str(error), "names and values of a scenario's fields") from None
+    return checked(Scenario, fields, source)
 
 
 def check_scenario(scenario: Scenario, robot: Robot) -> None:
@@ -229,64 +219,14 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     """
     shipped = {Path(entry.name).stem: entry for entry in resources.files(__package__).joinpath("scenarios").iterdir()}
     if str(name_or_path) in shipped:
-        return _parse(shipped[str(name_or_path)].read_bytes(), f"{name_or_path}: ")
-    try:
-        content = read_bounded(name_or_path, _MAX_BYTES)
-    except BadInput as error:
-        raise BadInput(error.field, error.value, f"{error.valid}, or one of {', '.join(sorted(shipped))}") from None
-    return _parse(content, f"{Path(name_or_path).name}: ")
-
-
-def _parse(content: bytes, source: str) -> Scenario:
-    """Scenario from a TOML document."""
-    try:
-        fields = tomllib.loads(content.decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise BadInput(f"{source}scenario", str(error), "a TOML document in UTF-8") from None
+        source, fields = str(name_or_path), parse_toml(shipped[str(name_or_path)].read_bytes(), "", "a scenario")
+    else:
+        source = Path(name_or_path).name
+        try:
+            fields, _ = read_toml(Path(name_or_path), "a scenario")
+        except BadInput as error:
+            known = f", or one of {', '.join(sorted(shipped))}" if error.field == str(name_or_path) else ""
+            raise BadInput(error.field, error.value, error.valid + known, error.remedy) from None
     if not fields:
-        raise BadInput(f"{source}scenario", "an empty file", "at least one field, such as duration = 20")
+        raise BadInput(source, "an empty file", "at least one field, such as duration = 20")
     return make_scenario(fields, source)
-
-
-def _bad_input(error: ValidationError, source: str) -> BadInput:
-    """The first thing that pydantic found, in one line."""
-    first = error.errors(include_url=False)[0]
-    field = ""
-    for part in first["loc"]:
-        field += f"[{part}]" if isinstance(part, int) else f"{'.' if field else ''}{part}"
-    valid = first["msg"][0].lower() + first["msg"][1:]
-    if first["type"] == "extra_forbidden":
-        valid = "no such field; the fields are " + ", ".join(_siblings(first["loc"]))
-    if first["type"] == "missing":
-        valid = "a value"
-    if first["type"] == "json_invalid":
-        return BadInput(f"{source}scenario", first["msg"].rpartition(": ")[2], "values that are not nested deeply")
-    value = None if first["type"] == "missing" else first["input"]
-    for opening in ("input should be ", "value error, "):
-        valid = valid.removeprefix(opening)
-    if first["type"].startswith(("greater_than", "less_than")):
-        valid = _whole_range(first["loc"]) or valid
-    return BadInput(f"{source}{field or 'scenario'}", value, valid)
-
-
-def _whole_range(location: tuple[int | str, ...]) -> str:
-    """Both bounds of a number, where it has both; pydantic tells of the one that was passed."""
-    field = _owner(location).model_fields.get(str(location[-1]))
-    bounds: dict[str, float] = {}
-    for entry in field.metadata if field else ():
-        bounds |= {name: getattr(entry, name) for name in ("gt", "ge", "lt", "le") if hasattr(entry, name)}
-    if len(bounds) != 2:
-        return ""
-    low = f"{bounds['ge']:g}" if "ge" in bounds else f"more than {bounds['gt']:g}"
-    return f"{low} to {bounds['le']:g}" if "le" in bounds else f"{low} to less than {bounds['lt']:.10g}"
-
-
-def _owner(location: tuple[int | str, ...]) -> type[BaseModel]:
-    """The model that a location in the document belongs to."""
-    parts: dict[str, type[BaseModel]] = {"changes": Change, "pushes": Push, "sensors": SensorNoise}
-    return parts.get(str(location[0]), Scenario) if len(location) > 1 else Scenario
-
-
-def _siblings(location: tuple[int | str, ...]) -> list[str]:
-    """Fields that are known where an unknown one was found."""
-    return list(_owner(location).model_fields)

@@ -6,8 +6,9 @@ import hashlib
 import json
 import math
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
+from gaitsmith.documents import parse_json
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, write_text_atomic
 from gaitsmith.robots import Robot, load_robot, robot_names
@@ -92,20 +93,6 @@ def write_gait(path: str | Path, gait: Gait) -> None:
     write_text_atomic(path, json.dumps(gait_document(gait), separators=(",", ":")) + "\n")
 
 
-def _refuse_constant(word: str) -> NoReturn:
-    raise ValueError(f"the number {word}")
-
-
-def _without_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object whose keys all differ: of two that are equal, readers may take either."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [key for key, _ in pairs]
-        twin = next(key for key in names if names.count(key) > 1)
-        raise ValueError(f"the key {twin[:40]!r} twice in one object")
-    return found
-
-
 def read_gait(path: str | Path, allow_edited: bool = False) -> tuple[Gait, bool]:
     """A gait from a file, and whether its checksum holds.
 
@@ -118,8 +105,7 @@ def read_gait(path: str | Path, allow_edited: bool = False) -> tuple[Gait, bool]
     """
     shown = str(path)
     try:
-        content = read_bounded(path, LIMIT).decode("utf-8")
-        document = json.loads(content, parse_constant=_refuse_constant, object_pairs_hook=_without_twins)
+        document = parse_json(read_bounded(path, LIMIT))
     except (ValueError, RecursionError) as error:
         raise BadInput(shown, str(error)[:60], "a whole gait file in JSON", _REMEDY) from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:

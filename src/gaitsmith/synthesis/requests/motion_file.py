@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
+from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.gaits.refusal import refusal
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Same, State
@@ -26,7 +23,6 @@ from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner
 
 PHASES, SECTIONS = 60, 120  # of a motion
-_LARGEST = 1_000_000
 _REPORT = Callable[[str, int, Progress], None]
 Array = npt.NDArray[np.float64]
 Amount = Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]  # m, m/s or the sine of an angle
@@ -45,7 +41,7 @@ class _Range(BaseModel):
 class _PhaseText(Parameters):
     """One phase as written."""
 
-    name: Annotated[str, Field(min_length=1, max_length=60)]
+    name: Name
     duration: Annotated[float, Field(ge=0.02, le=60.0, allow_inf_nan=False)]
     support: Literal["left", "right"]
     contact: Literal["air", "flat", "heel", "toe"]
@@ -91,19 +87,12 @@ def read_motion(path: Path, biped: Biped) -> tuple[Motion, Settings]:
     Raises:
         BadInput: the file cannot be read, or names the entry that is wrong.
     """
-    try:
-        data = tomllib.loads(read_bounded(path, _LARGEST).decode("utf-8"))
-        text = MotionText.model_validate_json(json.dumps(data, default=str), strict=True)
-    except ValidationError as error:
-        raise refusal(error, MotionText, path.name) from None
-    except RecursionError:
-        raise BadInput(path.name, "deeply nested values", "a motion in TOML") from None
-    except ValueError as error:
-        raise BadInput(path.name, str(error)[:80], "a motion in TOML") from None
+    data, _ = read_toml(path, "a motion")
+    text = checked(MotionText, data, path.name)
     try:
         return _motion(text, biped), text.settings
     except BadInput as error:
-        raise BadInput(f"{path.name}: {error.field}", error.value, error.valid, error.remedy) from None
+        raise error.within(path.name) from None
 
 
 def _motion(text: MotionText, biped: Biped) -> Motion:

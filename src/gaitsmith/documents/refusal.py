@@ -2,40 +2,60 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from gaitsmith.errors import BadInput
 
+_OWN = "value_error"
 
-def refusal(error: ValidationError, model: type[BaseModel], source: str) -> BadInput:
+
+def refusal(error: ValidationError, model: type[BaseModel], source: str = "") -> BadInput:
     """The first thing that a model refuses, as ``source: phases[2].duration: got ..., expected ...``.
 
     Args:
         error: what the model raised.
         model: the model.
-        source: the file's name.
+        source: the file's name; empty for none.
     """
     first = error.errors(include_url=False, include_context=False)[0]
-    place = tuple(part for part in first["loc"] if part != "[key]")
+    place = first["loc"]
+    if place[-1:] == ("[key]",) and first["type"] != "extra_forbidden":
+        place = place[:-1]
     entry = ""
     for part in place:
         entry += f"[{part}]" if isinstance(part, int) else f".{part}"
-    field = f"{source}: {entry.lstrip('.')}" if entry else source
+    entry = entry.lstrip(".")
     if first["type"] == "extra_forbidden":
-        return BadInput(field, first["input"], _keys(model, place[:-1]))
-    value = None if first["type"] == "missing" else first["input"]
-    return BadInput(field, value, _valid(*_hint(model, place)))
+        known = _keys(model, place[:-1])
+        close = difflib.get_close_matches(str(place[-1])[:100], known, n=1)
+        remedy = f"did you mean {close[0]}?" if close else ""
+        found = BadInput(entry, first["input"], f"no such entry; this table takes only {', '.join(known)}", remedy)
+    elif first["type"] == _OWN:
+        found = BadInput(entry, first["input"], first["msg"].removeprefix("Value error, "))
+    elif first["type"] == "json_invalid":
+        found = BadInput(entry, first["msg"].rpartition(": ")[2], "values that are not nested deeply")
+    else:
+        value = None if first["type"] == "missing" else first["input"]
+        found = BadInput(entry, value, _valid(*_hint(model, place)))
+    return found.within(source)
 
 
-def _keys(model: type[BaseModel], place: Iterable[int | str]) -> str:
+def _keys(model: type[BaseModel], place: Iterable[int | str]) -> list[str]:
     """The entries that a table may have."""
     hint, _ = _hint(model, place)
-    names = [field.alias or name for name, field in hint.model_fields.items()]
-    return f"no such entry; this table takes only {', '.join(names)}"
+    return [field.alias or name for name, field in hint.model_fields.items()]
+
+
+def valid_values(field: FieldInfo) -> str:
+    """What is valid for a model's field, in words."""
+    hint, limits = _plain(field.annotation)
+    return _valid(hint, (*field.metadata, *limits))
 
 
 def _hint(hint: Any, place: Iterable[int | str]) -> tuple[Any, tuple[Any, ...]]:

@@ -1,0 +1,12 @@
+"""One reader for documents that a stranger wrote: cards, scenarios, motions, gaits."""
+
+from gaitsmith.documents.about import About as About
+from gaitsmith.documents.about import Name as Name
+from gaitsmith.documents.about import about as about
+from gaitsmith.documents.about import check_name as check_name
+from gaitsmith.documents.reading import checked as checked
+from gaitsmith.documents.reading import parse_json as parse_json
+from gaitsmith.documents.reading import parse_toml as parse_toml
+from gaitsmith.documents.reading import read_toml as read_toml
+from gaitsmith.documents.refusal import refusal as refusal
+from gaitsmith.documents.refusal import valid_values as valid_values

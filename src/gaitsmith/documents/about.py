@@ -1,0 +1,53 @@
+"""What a field is to people, and what a name may be: put into annotations, read by help texts and messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import AfterValidator
+from pydantic.fields import FieldInfo
+
+LONGEST_NAME = 200
+FORMULA = "=+-@"  # a spreadsheet takes what begins like this for a formula
+VALID_NAME = f"1 to {LONGEST_NAME} printable characters, the first none of {' '.join(FORMULA)} or a space"
+
+
+@dataclass(frozen=True)
+class About:
+    """What a field is; a field that has it becomes an option of the commands that take its model.
+
+    Attributes:
+        meaning: a phrase without a full stop.
+        unit: SI; empty without one.
+        metavar: what stands for the value in a command's usage; a part in brackets may be left out.
+        absent: what the help calls a default of None; a function is asked only when help is shown.
+        flag: the option, if it is not named as the field.
+    """
+
+    meaning: str
+    unit: str = ""
+    metavar: str = ""
+    absent: str | Callable[[], str] = ""
+    flag: str = ""
+
+
+def about(field: FieldInfo) -> About | None:
+    """What a model's field is; None if nobody says."""
+    return next((entry for entry in field.metadata if isinstance(entry, About)), None)
+
+
+def check_name(text: str) -> str:
+    """The name of a joint, a body, a phase: plain text that no table, figure or terminal takes for anything else.
+
+    Raises:
+        ValueError: saying what is valid.
+    """
+    plain = 1 <= len(text) <= LONGEST_NAME and text.isprintable() and text == text.strip(" ")
+    if not plain or text[0] in FORMULA:
+        raise ValueError(VALID_NAME)
+    return text
+
+
+Name = Annotated[str, AfterValidator(check_name)]
