@@ -14,12 +14,12 @@ from gaitsmith.experiments import battery, run_battery
 from gaitsmith.experiments.battery import TrialOutcome
 from gaitsmith.experiments.limits import Limit, judge, shown
 from gaitsmith.experiments.measures import measure
-from gaitsmith.experiments.sets import Trial, TrialSet
+from gaitsmith.experiments.sets import Trial, TrialEntry, TrialSet
 from gaitsmith.simulation.scenario import make_scenario
 
 SHORT = {"duration": 1.5, "rest_before": 0.5}
 EPISODES = tuple(make_scenario({"duration": 5.0, "seed": seed}) for seed in (0, 1))
-TRIAL = Trial("walk", EPISODES, (Limit("speed_error", 0.003),), ("pitch",), least=2)
+TRIAL = Trial(TrialEntry(name="walk", report=("pitch",)), EPISODES, (Limit("speed_error", 0.003),))
 
 
 def _outcome(*summaries, trial=TRIAL):
@@ -47,7 +47,7 @@ def test_a_fall_is_a_miss_whatever_the_numbers_say():
 
 
 def test_as_many_falls_as_the_trial_allows_are_no_miss():
-    trial = replace(TRIAL, least=1)
+    trial = replace(TRIAL, entry=TrialEntry(name="walk", least=1))
     assert _outcome(_walked(0.0), _walked(0.0, fell_at=3.0), trial=trial).verdict == "pass"
     assert trial.target().startswith("≥ 1 of 2 stand")
 
@@ -59,7 +59,7 @@ def test_missing_episodes_are_not_a_pass_but_a_miss_stays_one():
 
 
 def test_a_trial_that_is_not_judged_reports_its_falls():
-    trial = Trial("far", EPISODES[:1], judged=False)
+    trial = Trial(TrialEntry(name="far", judged=False), EPISODES[:1])
     outcome = _outcome(made_up_summary(fell_at=3.0), trial=trial)
     assert (outcome.verdict, trial.target()) == ("report", "report")
 
@@ -96,7 +96,7 @@ def test_measures_take_the_largest_magnitude_over_the_stages():
 
 def test_a_battery_runs_writes_and_resumes(tmp_path, monkeypatch):
     short, unfit = make_scenario(SHORT), make_scenario({**SHORT, "height": 5.0})
-    trials = (Trial("short", (short,), reported=("pitch",)), Trial("unfit", (unfit,)))
+    trials = (Trial(TrialEntry(name="short", report=("pitch",)), (short,)), Trial(TrialEntry(name="unfit"), (unfit,)))
     monkeypatch.setattr(battery, "load_set", lambda *_: TrialSet("made_up", robot(), trials, (), {}))
     first = run_battery(out=tmp_path)
     assert [row[0] for row in first.rows] == ["short", "unfit"]

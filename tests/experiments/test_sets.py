@@ -24,7 +24,7 @@ def test_every_trial_fits_the_set_s_robot_and_measures_known_quantities(name):
     names = [trial.name for trial in found.trials]
     assert len(set(names)) == len(names)
     for trial in found.trials:
-        assert {limit.quantity for limit in trial.limits} | set(trial.reported) <= set(QUANTITIES)
+        assert {limit.quantity for limit in trial.limits} | set(trial.entry.report) <= set(QUANTITIES)
         assert 0 <= trial.least <= len(trial.scenarios)
         for scenario in trial.scenarios:
             check_scenario(scenario, found.robot)

@@ -122,7 +122,7 @@ class TrialOutcome:
         falls = sum(summary.fell for summary in finished)
         measured = [measure(summary) for summary in finished]
         trial, allowed = self.trial, len(self.episodes) - self.trial.least
-        return judge(trial.limits, trial.reported, measured, falls, allowed=allowed, judged=trial.judged)
+        return judge(trial.limits, trial.entry.report, measured, falls, allowed=allowed, judged=trial.entry.judged)
 
     @property
     def verdict(self) -> str:

@@ -49,7 +49,6 @@ QUANTITIES: dict[str, Quantity] = {
     "allocations": Quantity("allocations", "", 1.0, 0),
     "start_up": Quantity("start to first tick", "s"),
     "realtime_factor": Quantity("times real time", "", least=True),
-    "part": Quantity("median", "µs", 1.0, 2),
 }
 """Every quantity that is judged or reported."""
 

@@ -92,27 +92,31 @@ class _Document(_Entry):
 
 @dataclass(frozen=True)
 class Trial:
-    """A trial for one robot: an episode for each seed, and what they are judged by.
+    """A trial for one robot: an episode for each seed, and limits of the robot's size.
 
     Attributes:
-        name: as ``--only`` takes it.
+        entry: as the set has it.
         scenarios: one for each seed.
         limits: to keep in every episode.
-        reported: quantities shown without a limit.
-        least: how many episodes have to stand.
-        judged: False to report only.
     """
 
-    name: str
+    entry: TrialEntry
     scenarios: tuple[Scenario, ...]
     limits: tuple[Limit, ...] = ()
-    reported: tuple[str, ...] = ()
-    least: int = 1
-    judged: bool = True
+
+    @property
+    def name(self) -> str:
+        """As ``--only`` takes it."""
+        return self.entry.name
+
+    @property
+    def least(self) -> int:
+        """How many episodes have to stand."""
+        return len(self.scenarios) if self.entry.least is None else self.entry.least
 
     def target(self) -> str:
         """What is asked for, in words."""
-        if not self.judged:
+        if not self.entry.judged:
             return "report"
         total = len(self.scenarios)
         stands = "no fall" if self.least >= total else f"≥ {self.least} of {total} stand"
@@ -230,8 +234,7 @@ def _trial(entry: TrialEntry, base: dict[str, Any], scale: float) -> Trial:
             raise BadInput(f"{entry.name}: limits", quantity, "one of " + ", ".join(QUANTITIES))
     scenarios = tuple(make_scenario({**fields, **_drawn(entry, seed), "seed": seed}) for seed in range(entry.seeds))
     limits = tuple(Limit(name, bound) for name, bound in _scaled(entry.limits, scale).items())
-    least = entry.seeds if entry.least is None else entry.least
-    return Trial(entry.name, scenarios, limits, entry.report, least, entry.judged)
+    return Trial(entry, scenarios, limits)
 
 
 def _drawn(entry: TrialEntry, seed: int) -> dict[str, float]:

@@ -14,7 +14,6 @@ import gaitsmith
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.experiments.limits import QUANTITIES, Finding, Limit, shown
 from gaitsmith.experiments.result import Progress, Result, silent
-from gaitsmith.experiments.tick_parts import time_parts
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation, Summary
 from gaitsmith.simulation.scenario import make_scenario
@@ -64,16 +63,12 @@ def measure_tick(
     notes: list[str] = []
     interrupted = False
     try:
-        steps = ("walking", "walking, pushed", "allocations", "parts", "start")
+        steps = ("walking", "walking, pushed", "allocations", "start")
         for done, what in enumerate(steps):
             progress(done, len(steps), what)
             if what == "allocations":
                 count = count_allocations(Simulation(_walk(loaded, robot, preset, _ALLOCATION_TIME), robot=loaded))
                 findings.append((f"{ALLOCATION_TICKS} ticks of the closed loop", _finding("allocations", count)))
-            elif what == "parts":
-                parts = time_parts(Simulation(walk, robot=loaded, record=False))
-                findings += [(name, Finding("part", value, None)) for name, value in parts.items()]
-                document["parts_us"] = parts
             elif what == "start":
                 findings.append(("compiled before", _finding("start_up", start_up(robot, preset))))
             else:
