@@ -11,9 +11,9 @@ from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Bounds, Motion, Planner, Settings, StepParameters, verify
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.catalogue import cyclic
-from gaitsmith.synthesis.motions.layout import Layout
+from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program import transcription
-from gaitsmith.synthesis.program.bounds import Bound
+from gaitsmith.synthesis.program.bounds import PhaseBound
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.plan import PlanResult
 
@@ -27,7 +27,7 @@ def raw_closure(planner: Planner, found: PlanResult, settings: Settings) -> tupl
     points = trans.dense_points(400)
     z = (trans.input_map(points) @ found.x).reshape(points.count, trans.layout.inputs).T
     o = planner.functions.evaluate(z, trans.pivots[points.phase].T)
-    layout, worst = Layout(planner.biped.joints), [0.0, 0.0, 0.0]
+    layout, worst = PointLayout(planner.biped.joints), [0.0, 0.0, 0.0]
     for index, phase in enumerate(motion.phases):
         if phase.other is None:
             continue
@@ -56,10 +56,10 @@ def literal_nine(planner: Planner, speed: float) -> str:
     pairs = [(hips[0], ankles[0], 1.0), (hips[1], ankles[1], 1.0), (hips[0], hips[1], -1.0)]
     inner = transcription.phase_bounds
 
-    def with_nine(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:
+    def with_nine(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
         found = inner(biped, bounds, motion, index)
         if not motion.phases[index].double:
-            found += [Bound("eq. 9", "rad", {}, {a: 1.0, b: sign}, -NINE, NINE, 1.0) for a, b, sign in pairs]
+            found += [PhaseBound("eq. 9", "rad", {}, {a: 1.0, b: sign}, -NINE, NINE, 1.0) for a, b, sign in pairs]
         return found
 
     step = StepParameters(0.15, 1.0) if speed == 0.15 else StepParameters(0.20, 0.5)

@@ -17,7 +17,7 @@ from tests.reference.whole_body import Wishes, solve_whole_body
 from gaitsmith.control import Measurement
 from gaitsmith.robots import Leg, Robot
 from gaitsmith.robots.parameters import ControlParameters, JointGains
-from gaitsmith.splines import coefficients, power_basis
+from gaitsmith.splines import coefficients, time_vectors
 
 Array = npt.NDArray[np.float64]
 
@@ -41,7 +41,7 @@ def curve(t: float, gait: GaitNumbers, start: Array, middle: float, end: float) 
         return np.array([end, 0.0, 0.0])
     joint = gait.alpha * gait.period
     xi = coefficients(0.0, joint, gait.period, np.array([*start, middle, end, 0.0, 0.0, middle, 0.0, 0.0]))
-    return power_basis(t) @ (xi[:5] if t < joint else xi[5:])
+    return time_vectors(t) @ (xi[:5] if t < joint else xi[5:])
 
 
 class NumpyTick:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from gaitsmith.splines import coefficients, evaluate_pair, power_basis, w_matrix
+from gaitsmith.splines import coefficients, evaluate_pair, time_vectors, w_matrix
 
 Array = npt.NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def chi_of(end: tuple[float, ...]) -> Array:
 def by_w(t: float, t1: float, t2: float, end: tuple[float, ...]) -> Array:
     """Eq. 6 and its derivatives through the W matrix."""
     xi = coefficients(0.0, t1, t2, chi_of(end))
-    value: Array = power_basis(t) @ (xi[:5] if t < t1 else xi[5:])
+    value: Array = time_vectors(t) @ (xi[:5] if t < t1 else xi[5:])
     return value
 
 
@@ -110,7 +110,7 @@ def test_closed_form_beats_inverting_w_for_short_periods() -> None:
         exact = exactly(t, t1, period, end)
         ours = np.max(np.abs((curve(t, t1, period, end) - exact) / exact))
         theirs = np.max(
-            np.abs((power_basis(t) @ (np.linalg.inv(w_matrix(0.0, t1, period)) @ chi_of(end))[:5]) / exact - 1)
+            np.abs((time_vectors(t) @ (np.linalg.inv(w_matrix(0.0, t1, period)) @ chi_of(end))[:5]) / exact - 1)
         )
         conditions.append(np.linalg.cond(w_matrix(0.0, t1, period)))
         ratios.append(theirs / max(ours, 1e-16))

@@ -5,9 +5,9 @@ import pytest
 
 from gaitsmith.synthesis import StepParameters
 from gaitsmith.synthesis.motions.catalogue import cyclic
-from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.motions.motion import opposite
 from gaitsmith.synthesis.motions.settings import Bounds
+from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import phase_bounds
 
 SINGLE, DOUBLE = 0, 3  # phases of a step: the swing foot rises; both soles are flat
@@ -21,7 +21,7 @@ def motion(planner):
 
 def violated(planner, motion, phase, wrench, bounds, foot="support"):
     """Names of the contact bounds that a wrench (6,) on one foot's sole violates; N and N·m, about its origin."""
-    biped, layout = planner.biped, Layout(planner.biped.joints)
+    biped, layout = planner.biped, PointLayout(planner.biped.joints)
     o, z = np.zeros(layout.outputs), np.zeros(layout.inputs)
     other = int(foot == "other")
     (z[layout.wrench :] if other else o[layout.force : layout.force + 6])[:] = wrench

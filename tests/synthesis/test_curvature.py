@@ -5,8 +5,8 @@ import pytest
 import scipy.sparse as sp
 
 from gaitsmith.synthesis import KickParameters, Settings, StepParameters
+from gaitsmith.synthesis.motions.biped import standing
 from gaitsmith.synthesis.motions.catalogue import cyclic, kick
-from gaitsmith.synthesis.motions.posture import standing
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
 from gaitsmith.synthesis.program.curvature import Curvature

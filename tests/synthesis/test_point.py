@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from gaitsmith.errors import BadInput, CacheRefused
-from gaitsmith.robots import load_robot
+from gaitsmith.errors import CacheRefused
 from gaitsmith.synthesis import Planner, StepParameters
-from gaitsmith.synthesis.motions.biped import biped_from
 from gaitsmith.synthesis.motions.catalogue import cyclic
 from gaitsmith.synthesis.point.functions import point_functions
 from gaitsmith.synthesis.point.library import find_compiler
@@ -60,16 +58,6 @@ def test_jacobian_and_hessian_are_those_of_the_values(planner):
         assert np.abs(slope - jacobian[:, k]).max() < SLOPE * max(1.0, np.abs(jacobian).max())
         bend = lam @ np.array(ahead[1] - back[1]) / (2 * STEP)
         assert np.abs(bend - hessian[k]).max() < SLOPE * max(1.0, np.abs(hessian).max())
-
-
-def test_robots_that_cannot_be_planned_for_are_refused():
-    with pytest.raises(BadInput, match="six joints"):
-        biped_from(load_robot("bhr_b2"))
-
-
-def test_mirror_is_an_involution(planner):
-    values = np.random.default_rng(0).normal(size=planner.biped.joints)
-    assert np.array_equal(planner.biped.mirrored(planner.biped.mirrored(values)), values)
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

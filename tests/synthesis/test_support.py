@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gaitsmith.synthesis.gaits.support import contact_points, hull, hull_margin, zmp
+from gaitsmith.synthesis.gaits.support import contact_points, hull, zmp, zmp_margin
 from gaitsmith.synthesis.motions.motion import Phase
 
 ROUNDING = 1e-12
@@ -40,12 +40,12 @@ def test_the_margin_is_the_distance_from_the_hulls_edge(planner):
     sole = biped.leg("right").sole
     for depth in (0.005, -0.005):
         point = (0.3 + sole.toe - depth, -0.1)
-        assert abs(hull_margin(biped, single, pressed(single, {"right": point})) - depth) < ROUNDING
+        assert abs(zmp_margin(biped, single, pressed(single, {"right": point})) - depth) < ROUNDING
 
 
 def test_both_feet_bear_between_the_soles(planner):
     points = {"left": (0.5, 0.1), "right": (0.3, -0.1)}
-    assert hull_margin(planner.biped, STEP, pressed(STEP, points)) > 0.0
+    assert zmp_margin(planner.biped, STEP, pressed(STEP, points)) > 0.0
     assert len(hull(contact_points(planner.biped, STEP))) == 6
 
 

@@ -1,13 +1,9 @@
 """Rigid-body dynamics of a floating-base tree, compiled once for all robots."""
 
 from gaitsmith.dynamics.algorithms import update_dynamics as update_dynamics
-from gaitsmith.dynamics.contact import sole_corners as sole_corners
 from gaitsmith.dynamics.contact import sole_pose as sole_pose
-from gaitsmith.dynamics.contact import support_polygon as support_polygon
-from gaitsmith.dynamics.contact import zmp_margin as zmp_margin
 from gaitsmith.dynamics.linear_algebra import cholesky as cholesky
 from gaitsmith.dynamics.linear_algebra import cholesky_solve_matrix as cholesky_solve_matrix
-from gaitsmith.dynamics.linear_algebra import cholesky_solve_vector as cholesky_solve_vector
 from gaitsmith.dynamics.points import point_bias as point_bias
 from gaitsmith.dynamics.points import point_jacobian as point_jacobian
 from gaitsmith.dynamics.points import point_velocity as point_velocity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.compiled import Matrix, kernel
 
 
 @kernel
@@ -44,21 +44,6 @@ def cholesky(a: Matrix, l: Matrix, n: int) -> bool:  # noqa: E741
                 upper -= l[i, k] * l[j, k]
             l[i, j] = upper * over
     return True
-
-
-@kernel
-def cholesky_solve_vector(l: Matrix, b: Vector, n: int) -> None:  # noqa: E741
-    """Replace the first n entries of ``b`` by the solution of L Lᵀ x = b; ``l`` is from :func:`cholesky`."""
-    for i in range(n):
-        entry = b[i]
-        for k in range(i):
-            entry -= l[i, k] * b[k]
-        b[i] = entry / l[i, i]
-    for i in range(n - 1, -1, -1):
-        entry = b[i] / l[i, i]
-        b[i] = entry
-        for k in range(i):
-            b[k] -= entry * l[i, k]
 
 
 @kernel

@@ -62,17 +62,18 @@ def _reachable_heights(robot: Robot, chains: list[LegKinematics], ahead: float, 
     return f"{math.ceil(1000.0 * ends[0]) / 1000.0:g} to {math.floor(1000.0 * ends[1]) / 1000.0:g} m"
 
 
-def standing_posture(robot: Robot, height: float, width: float) -> Array:
+def standing_posture(robot: Robot, height: float, width: float, com_ahead: float = 0.0) -> Array:
     """Configuration in which the robot stands still on both feet.
 
-    The torso is upright above the world's origin; the soles' origins are at z = 0, ±``width`` to the sides, and below
-    the centre of mass; the soles are level about the axes that the legs control. Joints outside the legs are at zero,
-    or at the limit next to it.
+    The torso is upright above the world's origin; the soles' origins are at z = 0, ±``width`` to the sides, and
+    ``com_ahead`` behind the centre of mass; the soles are level about the axes that the legs control. Joints outside
+    the legs are at zero, or at the limit next to it.
 
     Args:
         robot: the robot.
         height: hip midpoint above the soles, m.
         width: half the distance between the soles' origins, m.
+        com_ahead: of the centre of mass, forward from the soles' origins, m.
 
     Returns:
         (7 + nj) base position, base quaternion w x y z, joint values.
@@ -92,7 +93,7 @@ def standing_posture(robot: Robot, height: float, width: float) -> Array:
         for _ in range(_ROUNDS):
             q = _place_soles(robot, chains, ahead, height, width, q)
             update_dynamics(tree, state, q, still)
-            error = float(state.com[0]) - float(robot.hip_midpoint[0]) - ahead
+            error = float(state.com[0]) - com_ahead - float(robot.hip_midpoint[0]) - ahead
             if abs(error) < _BALANCED:
                 return q
             ahead += error

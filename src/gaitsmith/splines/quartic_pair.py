@@ -19,27 +19,22 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Vector, kernel
+from gaitsmith.splines.polynomial import power_basis
 
 Array = npt.NDArray[np.float64]
 
 
-def power_basis(t: float) -> Array:
+def time_vectors(t: float) -> Array:
     """Rows p(t), ṗ(t), p̈(t) of eq. 1: shape (3, 5), powers of t in s⁰..s⁴ and their derivatives."""
-    return np.array(
-        [
-            [1.0, t, t**2, t**3, t**4],
-            [0.0, 1.0, 2.0 * t, 3.0 * t**2, 4.0 * t**3],
-            [0.0, 0.0, 2.0, 6.0 * t, 12.0 * t**2],
-        ]
-    )
+    return np.array([power_basis(4, t, derivative) for derivative in range(3)])
 
 
 def w_matrix(t0: float, t1: float, t2: float) -> Array:
     """W(t0, t1, t2) of eqs. 2-4, shape (10, 10): what the ten coefficients must satisfy. Times in s, t0 < t1 < t2."""
-    at_joint = power_basis(t1)
+    at_joint = time_vectors(t1)
     w = np.zeros((10, 10))
-    w[0:4, 0:5] = np.vstack([power_basis(t0), at_joint[0]])
-    w[4:8, 5:10] = np.vstack([power_basis(t2), at_joint[0]])
+    w[0:4, 0:5] = np.vstack([time_vectors(t0), at_joint[0]])
+    w[4:8, 5:10] = np.vstack([time_vectors(t2), at_joint[0]])
     w[8:10, 0:5] = at_joint[1:]
     w[8:10, 5:10] = -at_joint[1:]
     return w

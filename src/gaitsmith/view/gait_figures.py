@@ -136,7 +136,7 @@ def _ground(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
         axes = made.subplots()
         seen = set()
         for phase in gait.motion.phases:
-            other = "left" if phase.support == "right" else "right"
+            other = phase.other_foot
             for side, place in ((phase.support, phase.foothold), (other, phase.other)):
                 if place is None or (side, place) in seen:
                     continue

@@ -14,7 +14,7 @@ from gaitsmith.files import regular_target, write_bytes_atomic
 from gaitsmith.log.record import Log
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.repetition import Repetition
+from gaitsmith.synthesis.gaits.unrolled import UnrolledGait
 
 Array = npt.NDArray[np.float64]
 FORMATS = ("csv", "mcap")
@@ -40,7 +40,7 @@ def column_names(joints: tuple[str, ...]) -> list[str]:
     return found
 
 
-def _blocks(whole: Repetition, count: int, rate: float, report: _Report | None) -> Iterator[Array]:
+def _blocks(whole: UnrolledGait, count: int, rate: float, report: _Report | None) -> Iterator[Array]:
     """The rows, some at a time."""
     for first in range(0, count, _BLOCK):
         times = np.arange(first, min(first + _BLOCK, count)) / rate
@@ -51,11 +51,11 @@ def _blocks(whole: Repetition, count: int, rate: float, report: _Report | None) 
             report(first + len(times), count)
 
 
-def _prepared(gait: Gait, robot: Robot, rate: float, steps: int) -> tuple[Repetition, int]:
+def _prepared(gait: Gait, robot: Robot, rate: float, steps: int) -> tuple[UnrolledGait, int]:
     """What the rows come from, and their number."""
     if not (np.isfinite(rate) and rate > 0.0):
         raise BadInput("--rate", rate, "a positive number of rows per second")
-    whole, columns = Repetition(gait, robot, steps), len(column_names(robot.joint_names))
+    whole, columns = UnrolledGait(gait, robot, steps), len(column_names(robot.joint_names))
     most = LARGEST // columns
     count = np.floor(whole.duration * rate * (1.0 + 1e-12)) + 1.0
     if count > most:

@@ -8,25 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.splines.polynomial import chebyshev
+from gaitsmith.splines.polynomial import polynomial as polynomial
 from gaitsmith.synthesis.motions.motion import Motion, Phase
 
 Array = npt.NDArray[np.float64]
 CHANNELS = 12  # left force, left moment, right force, right moment
-
-
-def polynomial(coefficients: Array, s: Array, span: float) -> Array:
-    """(3, n, N) values of eq. (17) and two derivatives with respect to time.
-
-    Args:
-        coefficients: (n, degree + 1) of 1, s, s² ...
-        s: (N,) from 0 to 1 over the section.
-        span: the section's duration, s.
-    """
-    powers = np.arange(coefficients.shape[1])
-    basis = s[None, :] ** powers[:, None]
-    first = coefficients[:, 1:] * powers[1:]
-    second = first[:, 1:] * powers[1:-1]
-    return np.array([coefficients @ basis, first @ basis[:-1] / span, second @ basis[:-2] / span**2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +83,10 @@ class Gait:
         """Contact wrenches (12, N): left force, left moment, right force, right moment."""
         return self._series(phase, times, "wrench", CHANNELS)
 
-    def phase_at(self, time: float) -> int:
-        """Phase that holds a time; the later one at a border."""
-        borders = self.motion.borders
-        return int(np.clip(np.searchsorted(borders, time, side="right") - 1, 0, len(self.motion.phases) - 1))
-
     def _series(self, phase: int, times: Array, name: str, channels: int) -> Array:
         found = np.zeros((channels, len(times)))
         for piece, mask, s in self._split(phase, times):
-            coefficients = getattr(piece, name)
-            found[:, mask] = np.polynomial.chebyshev.chebval(2.0 * s - 1.0, coefficients.T)
+            found[:, mask] = chebyshev(getattr(piece, name), s)
         return found
 
     def _split(self, phase: int, times: Array) -> list[tuple[Piece, npt.NDArray[np.int64], Array]]:
@@ -142,33 +123,23 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
     last = before.motion.phases[-1]
     first = gait.motion.phases[0]
     flip = -1.0 if mirror else 1.0
-    support = first.support if not mirror else ("left" if first.support == "right" else "right")
-    held = last.foothold if last.support == support else last.other
+    side = {False: first.support, True: first.other_foot}[mirror]
+    held = last.place(side)
     if held is None:
-        raise ValueError(f"{before.motion.name} ends with the {support} foot in the air")
+        raise ValueError(f"{before.motion.name} ends with the {side} foot in the air")
     dx, dy = held[0] - first.foothold[0], held[1] - flip * first.foothold[1]
     final = before.pieces[-1][-1]
     dt = final.start + final.duration - gait.pieces[0][0].start
-
-    def place(point: tuple[float, float] | None) -> tuple[float, float] | None:
-        return None if point is None else (point[0] + dx, flip * point[1] + dy)
-
-    phases = []
-    for phase in gait.motion.phases:
-        side = phase.support if not mirror else ("left" if phase.support == "right" else "right")
-        foothold = place(phase.foothold)
-        assert foothold is not None
-        phases.append(
-            Phase(
-                phase.name,
-                phase.duration,
-                side,
-                phase.contact,
-                foothold,
-                place(phase.other),
-                phase.sections,
-            )
+    phases = tuple(
+        replace(
+            phase,
+            support=phase.other_foot if mirror else phase.support,
+            foothold=(phase.foothold[0] + dx, flip * phase.foothold[1] + dy),
+            other=None if phase.other is None else (phase.other[0] + dx, flip * phase.other[1] + dy),
+            limits=(),
         )
+        for phase in gait.motion.phases
+    )
     swap = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     pieces = []
     for group in gait.pieces:
@@ -180,5 +151,4 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
         pieces.append(tuple(moved))
-    motion = Motion(gait.motion.name, tuple(phases), gait.motion.conditions, gait.motion.cyclic, gait.motion.parameters)
-    return replace(gait, motion=motion, pieces=tuple(pieces))
+    return replace(gait, motion=replace(gait.motion, phases=phases), pieces=tuple(pieces))

@@ -6,27 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.motion import Phase, Side
 
 Array = npt.NDArray[np.float64]
 
 
 def contact_points(biped: Biped, phase: Phase) -> Array:
     """(N, 2) corners of both soles that touch the ground in a phase, world, m."""
-    sole = biped.leg("left").sole
-    ends = {"heel": (-sole.heel,), "toe": (sole.toe,), "flat": (-sole.heel, sole.toe), "air": ()}
-    found = [
-        (phase.foothold[0] + x, phase.foothold[1] + y)
-        for x in (-sole.heel, sole.toe)
-        for y in (-sole.half_width, sole.half_width)
-    ]
+    found = [biped.corners("flat") + phase.foothold]
     if phase.other is not None:
-        found += [
-            (phase.other[0] + x, phase.other[1] + y)
-            for x in ends[phase.contact]
-            for y in (-sole.half_width, sole.half_width)
-        ]
-    return np.array(found)
+        found.append(biped.corners(phase.contact) + phase.other)
+    return np.concatenate(found)
 
 
 def hull(points: Array) -> Array:
@@ -49,10 +39,10 @@ def hull(points: Array) -> Array:
 
 def zmp(phase: Phase, wrench: Array) -> Array:
     """(2, N) zero moment point of both contact wrenches (12, N) on the ground, world, m; eq. (12)."""
-    places = {phase.support: phase.foothold, "left" if phase.support == "right" else "right": phase.other}
     force, mx, my = np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1])
-    for first, side in ((0, "left"), (6, "right")):
-        place = places[side]
+    feet: tuple[tuple[int, Side], ...] = ((0, "left"), (6, "right"))
+    for first, side in feet:
+        place = phase.place(side)
         if place is None:
             continue
         fz = wrench[first + 2]
@@ -62,15 +52,17 @@ def zmp(phase: Phase, wrench: Array) -> Array:
     return np.array([-my / force, mx / force])
 
 
-def hull_margin(biped: Biped, phase: Phase, wrench: Array) -> float:
-    """Smallest distance of the ZMP from the hull's edge, m; negative outside.
+def inside(corners: Array, points: Array) -> Array:
+    """(N,) distance of points (2, N) from the edge of a convex hull (M, 2), m; negative outside."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
+    return np.asarray((normals @ points - np.sum(normals * corners, axis=1)[:, None]).min(axis=0))
+
+
+def zmp_margin(biped: Biped, phase: Phase, wrench: Array) -> float:
+    """Smallest distance of the ZMP of wrenches (12, N) from the edge of the hull of all contact points, m.
 
     The moment of a foot that turns about an edge is about its sole frame's origin, which has moved with the foot; that
     part is small and enters through the file's wrench.
     """
-    corners = hull(contact_points(biped, phase))
-    points = zmp(phase, wrench)
-    edges = np.roll(corners, -1, axis=0) - corners
-    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
-    inside = normals @ points - np.sum(normals * corners, axis=1)[:, None]
-    return float(inside.min())
+    return float(inside(hull(contact_points(biped, phase)), zmp(phase, wrench)).min())

@@ -11,7 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
+from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Leg, Robot
+from gaitsmith.synthesis.motions.motion import Contact
 
 Array = npt.NDArray[np.float64]
 _SYMMETRY = 1e-7  # relative; left and right halves written with a few digits agree better
@@ -85,6 +87,12 @@ class Biped:
         """The leg called left or right."""
         return self.robot.legs[0 if name == "left" else 1]
 
+    def corners(self, contact: Contact) -> Array:
+        """(N, 2) corners of a sole that touch the ground in a contact, sole frame, m."""
+        sole = self.robot.legs[0].sole
+        ends = {"heel": (-sole.heel,), "toe": (sole.toe,), "flat": (-sole.heel, sole.toe), "air": ()}[contact]
+        return np.array([(x, y) for x in ends for y in (-sole.half_width, sole.half_width)]).reshape(-1, 2)
+
     def mirrored(self, values: Array) -> Array:
         """Joint angles, velocities, accelerations or torques (..., n) of the mirror image."""
         return np.asarray(values[..., self.partner] * self.sign)
@@ -149,10 +157,10 @@ def biped_from(robot: Robot) -> Biped:
     """The planner's view of a robot.
 
     Raises:
-        BadInput: legs without six joints, soles that are not rectangles, or a robot that is not symmetric.
+        BadInput: legs of other than six joints, soles that are no rectangles, or a robot that is not symmetric.
     """
     for leg in robot.legs:
-        if len(leg.joints) < 6 or leg.sole.kind != "rectangle":
+        if len(leg.joints) != 6 or leg.sole.kind != "rectangle":
             given = f"{len(leg.joints)} joints, {leg.sole.kind} sole"
             raise BadInput(
                 "robot", given, "legs with six joints and rectangular soles", "plan for thbip_ii, for example"
@@ -182,3 +190,17 @@ def biped_from(robot: Robot) -> Biped:
         weight=float(robot.mass * np.linalg.norm(robot.model.opt.gravity)),
         dynamics_hash=digest.hexdigest(),
     )
+
+
+def standing(biped: Biped, height: float) -> Array:
+    """q0 (n,) of eqs. (21) and (24): soles side by side, torso upright, centre of mass over the soles' middle.
+
+    Args:
+        biped: the robot.
+        height: hip midpoint above the soles, m.
+
+    Raises:
+        BadInput: the legs do not reach.
+    """
+    sole = biped.robot.legs[0].sole
+    return standing_posture(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)[7:]

@@ -36,7 +36,7 @@ def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) 
     if before.support != after.support and not (before.double and after.double):
         remedy = "the support changes between two phases with both feet on the ground"
         raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before", remedy)
-    held, free = _feet(before, after.support)
+    held, free = before.place(after.support), before.place(after.other_foot)
     if held is not None and not _equal(held, after.foothold):
         raise BadInput(f"{field}.{keys[0]}", after.foothold, f"{held}, where that foot stands before")
     if free is not None and after.other is not None and not _equal(free, after.other):
@@ -53,11 +53,6 @@ def _check_cycle(first: Phase, last: Phase, keys: tuple[str, str]) -> None:
         wanted = (last.foothold[0] + gaps[0], last.foothold[1] - gaps[1])
         if not _equal(wanted, last.other):
             raise BadInput(f"cyclic: last phase's {keys[1]}", last.other, f"{wanted}, the first's mirror image")
-
-
-def _feet(phase: Phase, support: str) -> tuple[_Place | None, _Place | None]:
-    """Where the foot called ``support`` stands in a phase, and where the other one does."""
-    return (phase.foothold, phase.other) if phase.support == support else (phase.other, phase.foothold)
 
 
 def _equal(one: _Place, two: _Place) -> bool:

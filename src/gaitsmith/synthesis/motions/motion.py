@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,28 +12,34 @@ Side = Literal["left", "right"]
 Contact = Literal["air", "flat", "heel", "toe"]
 Array = npt.NDArray[np.float64]
 
-QUANTITIES = (
-    "ankle_x",
-    "ankle_y",
-    "ankle_z",
-    "ankle_vx",
-    "ankle_vy",
-    "ankle_vz",
-    "sole_x",
-    "sole_y",
-    "sole_z",
-    "toe_x",
-    "toe_z",
-    "heel_x",
-    "heel_z",
-    "foot_pitch",
-    "foot_roll",
-    "foot_yaw",
-    "hip_height",
-    "torso_pitch",
-    "torso_roll",
-    "torso_yaw",
-)
+
+class Quantity(NamedTuple):
+    """A number of the other foot, its ankle, or the torso that a motion may bound or fix.
+
+    Attributes:
+        part: of the robot.
+        axis: x, y or z; of an angle roll, pitch or yaw.
+        unit: m, m/s or rad.
+    """
+
+    part: Literal["ankle", "ankle velocity", "sole", "toe", "heel", "foot", "hip", "torso"]
+    axis: int
+    unit: str
+
+
+_PLACES, _ANGLES = ("x", "y", "z"), ("roll", "pitch", "yaw")
+QUANTITIES: dict[str, Quantity] = {
+    **{f"ankle_{name}": Quantity("ankle", k, "m") for k, name in enumerate(_PLACES)},
+    **{f"ankle_v{name}": Quantity("ankle velocity", k, "m/s") for k, name in enumerate(_PLACES)},
+    **{f"sole_{name}": Quantity("sole", k, "m") for k, name in enumerate(_PLACES)},
+    "toe_x": Quantity("toe", 0, "m"),
+    "toe_z": Quantity("toe", 2, "m"),
+    "heel_x": Quantity("heel", 0, "m"),
+    "heel_z": Quantity("heel", 2, "m"),
+    **{f"foot_{name}": Quantity("foot", k, "rad") for k, name in enumerate(_ANGLES)},
+    "hip_height": Quantity("hip", 2, "m"),
+    **{f"torso_{name}": Quantity("torso", k, "rad") for k, name in enumerate(_ANGLES)},
+}
 
 
 def opposite(side: Side) -> Side:
@@ -81,6 +87,15 @@ class Phase:
     def double(self) -> bool:
         """Whether both feet carry load."""
         return self.contact != "air"
+
+    @property
+    def other_foot(self) -> Side:
+        """The foot that is not the support."""
+        return opposite(self.support)
+
+    def place(self, foot: Side) -> tuple[float, float] | None:
+        """(x, y) of a foot's sole, world, m; None in the air."""
+        return self.foothold if foot == self.support else self.other
 
     @property
     def side(self) -> float:

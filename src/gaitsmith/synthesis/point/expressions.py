@@ -8,14 +8,14 @@ import casadi as ca
 
 from gaitsmith.dynamics import symbolic
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.layout import Layout
+from gaitsmith.synthesis.point.layout import PointLayout
 
 NAMES = ("value", "jacobian", "hessian")
 
 
 def point_expressions(biped: Biped) -> list[Any]:
     """The three functions as CasADi expressions in the virtual machine."""
-    model, layout = biped.model, Layout(biped.joints)
+    model, layout = biped.model, PointLayout(biped.joints)
     n = layout.joints
     z, pivot = ca.SX.sym("z", layout.inputs), ca.SX.sym("pivot", 3)
     q, v, a = ca.SX.zeros(model.nq), ca.SX.zeros(model.nv), ca.SX.zeros(model.nv)

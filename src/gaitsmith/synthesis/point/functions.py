@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.point.expressions import point_expressions
+from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.point.library import point_library
 
 _KEPT = 64  # mapped functions that are remembered
@@ -33,7 +33,7 @@ class PointFunctions:
         compile_s: time spent compiling in this call, s.
     """
 
-    layout: Layout
+    layout: PointLayout
     value: Any
     jacobian: Any
     hessian: Any
@@ -96,4 +96,4 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
     """
     loaded, spent = point_library(biped, notify or (lambda _: None))
     value, jacobian, hessian = loaded if loaded is not None else point_expressions(biped)
-    return PointFunctions(Layout(biped.joints), value, jacobian, hessian, loaded is not None, spent)
+    return PointFunctions(PointLayout(biped.joints), value, jacobian, hessian, loaded is not None, spent)

@@ -21,8 +21,8 @@ import casadi as ca
 from gaitsmith.compiled.cache import cache_root, private_folder
 from gaitsmith.dynamics import rotation, symbolic
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.point import expressions
+from gaitsmith.synthesis.point.layout import PointLayout
 
 _OPTIONS = ("-O1", "-fPIC", "-shared", "-fno-math-errno")
 _SLOWER = "about four times slower, with the same answers"
@@ -77,7 +77,7 @@ def _no_compiler() -> str:
 
 def _key(biped: Biped, compiler: str) -> str:
     """Hash of everything that decides the machine code."""
-    layout = Layout(biped.joints)
+    layout = PointLayout(biped.joints)
     digest = hashlib.sha256(biped.dynamics_hash.encode())
     sizes = f"{layout.inputs} {layout.outputs} {layout.wrench}"
     for part in (version("casadi"), compiler, " ".join(_OPTIONS), os.uname().machine, sizes):

@@ -7,8 +7,8 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State
-from gaitsmith.synthesis.program.bounds import pivot_of, quantity_form, unit_of
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Motion, Phase, Same, State
+from gaitsmith.synthesis.program.bounds import pivot_of, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
@@ -141,7 +141,7 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             point = _point(points, index, time)
             base = point * trans.layout.outputs
             value = condition.value - constant
-            unit = unit_of(condition.quantity)
+            unit = QUANTITIES[condition.quantity].unit
             label = Label(condition.quantity, unit, index, time, 1.0, constant, unit == "rad")
             rows.add(label, value, value, {base + k: factor for k, factor in form.items()})
     if motion.cyclic:

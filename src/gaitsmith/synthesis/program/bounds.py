@@ -2,32 +2,49 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum, auto
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.layout import Layout
-from gaitsmith.synthesis.motions.motion import Motion, Phase
+from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, Side, opposite
 from gaitsmith.synthesis.motions.settings import Bounds
+from gaitsmith.synthesis.point.layout import PointLayout
 
 Array = npt.NDArray[np.float64]
 Form = dict[int, float]
 Reach = tuple[float, float, float]
 _FACETS = 8  # of the pyramid inside the friction cone
+_PITCH = 1  # axis of an angle that the mirror image keeps
 _LEVEL = 0.6  # largest sine of a turning foot's pitch
 
 
+class Kind(Enum):
+    """What limits a motion: a joint, a contact, or what the request asks for."""
+
+    TORQUE = auto()
+    VELOCITY = auto()
+    ANGLE = auto()
+    FRICTION = auto()
+    YAW_MOMENT = auto()
+    ZMP = auto()
+    NORMAL_FORCE = auto()
+    REQUEST = auto()
+
+
 @dataclass(frozen=True)
-class Bound:
+class PhaseBound:
     """low <= out·o + inp·z + constant - rise * profile(s) <= high, in ``unit``.
 
     ``span`` is the range that violations are relative to; s runs from 0 to 1 over the phase. An ``interior`` bound
-    does not hold at the phase's ends. With ``sine`` the form is the sine of the angle that is bounded.
+    does not hold at the phase's ends. With ``sine`` the form is the sine of the angle that is bounded. ``twin`` is the
+    name of the same bound in the mirror image, empty if that has the same one.
     """
 
+    kind: Kind
     name: str
     unit: str
     out: Form
@@ -41,6 +58,7 @@ class Bound:
     lifts: bool = False
     lands: bool = False
     sine: bool = False
+    twin: str = ""
 
     def shown(self, value: float) -> float:
         """A value as reports tell it: the angle where the form is a sine."""
@@ -61,14 +79,6 @@ def shown(value: float, sine: bool) -> float:
     return float(np.arcsin(np.clip(value, -1.0, 1.0))) if sine else value
 
 
-def unit_of(quantity: str) -> str:
-    """Unit in which reports tell one of the quantities of a motion."""
-    kind, _, what = quantity.partition("_")
-    if what in ("pitch", "roll", "yaw"):
-        return "rad"
-    return "m/s" if kind == "ankle" and what.startswith("v") else "m"
-
-
 def _smooth(s: Array) -> Array:
     """From 0 to 1 with two derivatives zero at both ends, as a foot leaves the ground."""
     s = np.clip(s, 0.0, 1.0)
@@ -83,87 +93,93 @@ def pivot_of(biped: Biped, phase: Phase) -> Array:
 
 def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, float]:
     """Linear form in the outputs, and the constant, that give a quantity in world coordinates."""
-    layout, sole = Layout(biped.joints), biped.leg("left").sole
-    x0, y0 = phase.foothold
-    pivot = pivot_of(biped, phase)[0]
-    side = phase.side
-    axis = {"x": 0, "y": 1, "z": 2}.get(quantity[-1], 0)
-    origin, sign = ((x0, 1.0), (y0, side), (0.0, 1.0))[axis]
-    kind, _, what = quantity.partition("_")
-    if kind == "ankle" and what.startswith("v"):
+    layout, sole = PointLayout(biped.joints), biped.leg("left").sole
+    part, axis, _ = QUANTITIES[quantity]
+    if part in ("foot", "torso"):
+        return {getattr(layout, quantity): 1.0 if axis == _PITCH else phase.side}, 0.0
+    origin, sign = ((phase.foothold[0], 1.0), (phase.foothold[1], phase.side), (0.0, 1.0))[axis]
+    if part == "hip":
+        return {layout.hip_height: 1.0}, 0.0
+    if part == "ankle velocity":
         return {layout.ankle_velocity + axis: sign}, 0.0
-    if kind == "ankle":
+    if part == "ankle":
         return {layout.ankle + axis: sign}, origin
-    if kind in ("sole", "toe", "heel"):
-        reach = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[kind] - pivot
-        along = (layout.foot_forward, layout.foot_yaw, layout.foot_pitch)[axis]
-        turn = -1.0 if axis == 2 else sign
-        return ({layout.pivot + axis: sign} | ({along: turn * reach} if reach else {})), origin
-    name = quantity
-    flips = -1.0 if name.endswith(("roll", "yaw")) and side < 0 else 1.0
-    return {getattr(layout, name): flips}, 0.0
+    reach = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[part] - float(pivot_of(biped, phase)[0])
+    along = (layout.foot_forward, layout.foot_yaw, layout.foot_pitch)[axis]
+    turn = {along: reach * (-1.0 if axis == 2 else sign)} if reach else {}
+    return {layout.pivot + axis: sign} | turn, origin
 
 
-def _sine(name: str, form: Form, low: float, high: float, span: float, interior: bool = False) -> Bound:
+def _sine(name: str, form: Form, low: float, high: float, span: float, interior: bool = False) -> PhaseBound:
     """A bound on an angle through its sine."""
-    return Bound(name, "rad", form, {}, low, high, span, interior=interior, sine=True)
+    return PhaseBound(Kind.REQUEST, name, "rad", form, {}, low, high, span, interior=interior, sine=True)
 
 
-def _cone(layout: Layout, what: str, other: bool, scale: float, bounds: Bounds, reach: Reach) -> list[Bound]:
-    """Friction, CoP and yaw-moment bounds of the wrench on the support sole, or on the other one.
+def _contact_bounds(
+    layout: PointLayout, foot: Side, other: bool, weight: float, bounds: Bounds, reach: Reach, least: float
+) -> list[PhaseBound]:
+    """Friction, centre of pressure, yaw moment and normal force of the wrench on the support sole, or on the other.
 
-    ``reach``: how far the CoP may go back, forward, and to a side, m; forces relative to ``scale``.
+    ``reach``: how far the centre of pressure may go back, forward, and to a side, m; ``least`` normal force, a share of
+    the weight. Forces are relative to the weight.
     """
     first = layout.wrench if other else layout.force
     twist, load = layout.twist + other, layout.load + other
+    found: list[PhaseBound] = []
 
-    def bound(name: str, unit: str, wrench: Form, span: float, out: Form | None = None) -> Bound:
+    def add(kind: Kind, name: str, unit: str, wrench: Form, span: float, out: Form | None = None) -> None:
         """An upper bound of 0; ``wrench`` holds the six numbers' factors."""
-        scaled = {first + index: value / scale for index, value in wrench.items()}
-        outs = {index: value / scale for index, value in (out or {}).items()}
+        scaled = {first + index: value / weight for index, value in wrench.items()}
+        outs = {index: value / weight for index, value in (out or {}).items()}
         both = (outs, scaled) if other else (outs | scaled, {})
-        return Bound(f"{what} {name}", unit, *both, -np.inf, 0.0, span)
+        names = f"{foot} foot {name}", f"{opposite(foot)} foot {name}"
+        found.append(PhaseBound(kind, names[0], unit, *both, -np.inf, 0.0, span, twin=names[1]))
 
     fx, fy, fz, mx, my = range(5)
     back, ahead, aside = reach
     yaw = bounds.yaw_friction
-    found = []
     for k in range(_FACETS):
         angle = 2.0 * np.pi * (k + 0.5) / _FACETS
         inner = bounds.friction * np.cos(np.pi / _FACETS)
-        found.append(bound("friction", "weights", {fx: np.cos(angle), fy: np.sin(angle), fz: -inner}, 1.0))
+        add(Kind.FRICTION, "friction", "weights", {fx: np.cos(angle), fy: np.sin(angle), fz: -inner}, 1.0)
     if ahead + back > 0.0:
-        found.append(bound("ZMP forward", "m", {my: -1.0, fz: -ahead}, ahead + back))
-        found.append(bound("ZMP backward", "m", {my: 1.0, fz: -back}, ahead + back))
-    found.append(bound("ZMP left", "m", {mx: 1.0, fz: -aside}, 2.0 * aside))
-    found.append(bound("ZMP right", "m", {mx: -1.0, fz: -aside}, 2.0 * aside))
+        add(Kind.ZMP, "ZMP forward", "m", {my: -1.0, fz: -ahead}, ahead + back)
+        add(Kind.ZMP, "ZMP backward", "m", {my: 1.0, fz: -back}, ahead + back)
+    add(Kind.ZMP, "ZMP left", "m", {mx: 1.0, fz: -aside}, 2.0 * aside)
+    add(Kind.ZMP, "ZMP right", "m", {mx: -1.0, fz: -aside}, 2.0 * aside)
     # About the centre of pressure, times the normal force: a polynomial, without a division at lift-off.
-    found.append(bound("yaw moment", "m", {}, 2.0 * yaw, {twist: 1.0, load: -yaw}))
-    found.append(bound("yaw moment", "m", {}, 2.0 * yaw, {twist: -1.0, load: -yaw}))
+    add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: 1.0, load: -yaw})
+    add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: -1.0, load: -yaw})
+    add(Kind.NORMAL_FORCE, "normal force", "weights", {fz: 1.0}, 1.0)
+    found[-1] = replace(found[-1], low=least, high=np.inf)
     return found
 
 
-def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[Bound]:
-    layout, robot = Layout(biped.joints), biped.robot
+def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[PhaseBound]:
+    layout, robot = PointLayout(biped.joints), biped.robot
     found = []
     for local in range(biped.joints):
         mirrored = phase.side < 0
         joint = int(biped.partner[local]) if mirrored else local
         sign = float(biped.sign[joint]) if mirrored else 1.0
-        name = robot.joint_names[joint]
-        torque, speed = (
-            float(robot.torque_limit[joint]) * bounds.torque,
-            float(robot.velocity_limit[joint]) * bounds.velocity,
-        )
-        low, high = float(robot.position_low[joint]), float(robot.position_high[joint])
-        found.append(Bound(f"{name} torque", "N·m", {layout.torque + local: sign}, {}, -torque, torque, 2 * torque))
-        found.append(Bound(f"{name} angle", "rad", {}, {layout.position + local: sign}, low, high, high - low))
-        found.append(Bound(f"{name} velocity", "rad/s", {}, {layout.velocity + local: sign}, -speed, speed, 2 * speed))
+        names = robot.joint_names[joint], robot.joint_names[int(biped.partner[joint])]
+        torque = float(robot.torque_limit[joint]) * bounds.torque
+        speed = float(robot.velocity_limit[joint]) * bounds.velocity
+        angle = float(robot.position_low[joint]), float(robot.position_high[joint])
+        for kind, what, unit, place, (low, high) in (
+            (Kind.TORQUE, "torque", "N·m", layout.torque, (-torque, torque)),
+            (Kind.ANGLE, "angle", "rad", layout.position, angle),
+            (Kind.VELOCITY, "velocity", "rad/s", layout.velocity, (-speed, speed)),
+        ):
+            form: Form = {place + local: sign}
+            both = (form, {}) if kind is Kind.TORQUE else ({}, form)
+            one, two = (f"{name} {what}" for name in names)
+            found.append(PhaseBound(kind, one, unit, *both, low, high, high - low, twin=two))
     return found
 
 
-def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[Bound]:
-    layout, sole = Layout(biped.joints), biped.leg("left").sole
+def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[PhaseBound]:
+    layout, sole = PointLayout(biped.joints), biped.leg("left").sole
     length = sole.heel + sole.toe
     if phase.contact == "flat":
         return []
@@ -171,18 +187,18 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
         low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
         return [_sine("foot pitch", {layout.foot_pitch: 1.0}, low, high, 1.0, interior=True)]
     found = []
-    for x in (-sole.heel, sole.toe):
-        for y in (-sole.half_width, sole.half_width):
-            form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: y}
-            rise = bounds.clearance
-            found.append(Bound("swing clearance", "m", form, {}, 0.0, np.inf, length, 0.0, True, rise, lifts, lands))
+    for x, y in biped.corners("flat").tolist():
+        form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: y}
+        clear = PhaseBound(Kind.REQUEST, "swing clearance", "m", form, {}, 0.0, np.inf, length, interior=True)
+        found.append(replace(clear, rise=bounds.clearance, lifts=lifts, lands=lands))
     tilt = float(np.sin(bounds.foot_tilt))
     pitch = float(np.sin(bounds.foot_pitch))
     found.append(_sine("swing foot pitch", {layout.foot_pitch: 1.0}, -pitch, pitch, 2 * pitch))
     found.append(_sine("swing foot roll", {layout.foot_roll: 1.0}, -tilt, tilt, 2 * tilt))
     found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, -tilt, tilt, 2 * tilt))
     gap = 2.0 * sole.half_width + bounds.foot_gap
-    found.append(Bound("foot separation", "m", {layout.pivot + 1: 1.0}, {}, gap, np.inf, biped.width))
+    apart = {layout.pivot + 1: 1.0}
+    found.append(PhaseBound(Kind.REQUEST, "foot separation", "m", apart, {}, gap, np.inf, biped.width))
     return found
 
 
@@ -198,28 +214,22 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
         raise BadInput("zmp_margin", bounds.zmp_margin, f"less than {widest:g} m, half of this robot's sole")
 
 
-def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[Bound]:
+def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
     """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
     phase = motion.phases[index]
-    layout, sole = Layout(biped.joints), biped.leg("left").sole
+    layout, sole = PointLayout(biped.joints), biped.leg("left").sole
     margin = bounds.zmp_margin
     ends = 0.0 if phase.double else margin
     reach = (sole.heel - ends, sole.toe - ends, sole.half_width - margin)
     found = _joint_bounds(biped, bounds, phase)
-    found += _cone(layout, f"{phase.support} foot", False, biped.weight, bounds, reach)
-    least = 0.0 if phase.double else bounds.normal_force
-    scaled = {layout.force + 2: 1.0 / biped.weight}
-    found.append(Bound(f"{phase.support} foot normal force", "weights", scaled, {}, least, np.inf, 1.0))
+    weight, least = biped.weight, 0.0 if phase.double else bounds.normal_force
+    found += _contact_bounds(layout, phase.support, False, weight, bounds, reach, least)
     if phase.double:
-        edge = phase.contact != "flat"
-        reach = (0.0 if edge else sole.heel, 0.0 if edge else sole.toe, sole.half_width - margin)
-        other = "left" if phase.support == "right" else "right"
-        found += _cone(layout, f"{other} foot", True, biped.weight, bounds, reach)
-        scaled = {layout.wrench + 2: 1.0 / biped.weight}
-        found.append(Bound(f"{other} foot normal force", "weights", {}, scaled, 0.0, np.inf, 1.0))
-    found.append(
-        Bound("squat", "m", {layout.hip_height: 1.0}, {}, 0.3 * biped.height, biped.height - bounds.squat, biped.height)
-    )
+        turns = phase.contact != "flat"
+        reach = (0.0 if turns else sole.heel, 0.0 if turns else sole.toe, sole.half_width - margin)
+        found += _contact_bounds(layout, phase.other_foot, True, weight, bounds, reach, 0.0)
+    heights = (0.3 * biped.height, biped.height - bounds.squat, biped.height)
+    found.append(PhaseBound(Kind.REQUEST, "squat", "m", {layout.hip_height: 1.0}, {}, *heights))
     for name in ("pitch", "roll", "yaw"):
         tilt = float(np.sin(getattr(bounds, f"torso_{name}")))
         form = {int(getattr(layout, f"torso_{name}")): 1.0}
@@ -227,7 +237,7 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
     found += _foot_bounds(biped, bounds, phase, motion.lifts(index), motion.lands(index))
     for limit in phase.limits:
         form, constant = quantity_form(biped, phase, limit.quantity)
-        unit = unit_of(limit.quantity)
+        unit = QUANTITIES[limit.quantity].unit
         within = (limit.low, limit.high, biped.height, constant)
-        found.append(Bound(limit.quantity, unit, form, {}, *within, sine=unit == "rad"))
+        found.append(PhaseBound(Kind.REQUEST, limit.quantity, unit, form, {}, *within, sine=unit == "rad"))
     return found

@@ -1,26 +1,21 @@
-"""A start for the solver: postures by inverse kinematics along the footholds, fitted by the splines."""
+"""Where the solver starts: standing still in a slight squat, or that moved at random."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.motions.posture import standing
+from gaitsmith.synthesis.motions.biped import standing
 from gaitsmith.synthesis.program.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
 _SQUAT = 0.03  # m below straight legs
 
 
-def standing_posture(trans: Transcription) -> Array:
-    """q0, a slight squat with the feet side by side."""
-    return standing(trans.biped, trans.biped.height - _SQUAT)
-
-
 def default_start(trans: Transcription) -> Array:
     """Standing still, the load shared by both feet: the start that every motion is solved from."""
     x = np.zeros(trans.size)
-    q0 = standing_posture(trans)
+    q0 = standing(trans.biped, trans.biped.height - _SQUAT)
     n = trans.biped.joints
     x[: n * trans.spline.size] = np.repeat(q0, trans.spline.size)
     for index, phase in enumerate(trans.motion.phases):

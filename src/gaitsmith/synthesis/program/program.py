@@ -78,8 +78,8 @@ class Program:
 
 
 @dataclass(frozen=True)
-class Pick:
-    """A bound imposed at a time: ``bound`` counts the phase's bounds; ``tighten`` is a share of its span."""
+class ImposedBound:
+    """A bound that the program imposes at a time: ``bound`` counts the phase's; ``tighten`` is a share of its span."""
 
     phase: int
     bound: int
@@ -88,7 +88,7 @@ class Pick:
 
 
 def make_program(
-    trans: Transcription, functions: PointFunctions, points: Points, picks: list[Pick] | None = None
+    trans: Transcription, functions: PointFunctions, points: Points, imposed: list[ImposedBound] | None = None
 ) -> Program:
     """The program on given points.
 
@@ -96,23 +96,25 @@ def make_program(
         trans: unknowns and bounds.
         functions: of a point.
         points: collocation points and added ones.
-        picks: bounds to impose; all bounds at all points if None.
+        imposed: bounds to impose; all bounds at all points if None.
     """
     rows = Rows(trans.layout, trans.size)
     inputs = trans.input_map(points)
     closure_rows(rows, trans, points)
     wrench_rows(rows, trans, points)
     condition_rows(rows, trans, points)
-    if picks is None:
-        picks = all_picks(trans, points)
+    if imposed is None:
+        imposed = every_bound(trans, points)
     where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
-    shares = trans.shares(np.array([pick.phase for pick in picks]), np.array([pick.time for pick in picks])).tolist()
+    shares = trans.shares(
+        np.array([item.phase for item in imposed]), np.array([item.time for item in imposed])
+    ).tolist()
     entries = rows.entries(inputs)
-    for pick, share in zip(picks, shares, strict=True):
-        bound = trans.bounds[pick.phase][pick.bound]
+    for item, share in zip(imposed, shares, strict=True):
+        bound = trans.bounds[item.phase][item.bound]
         constant = 0.0 if bound.rise else bound.constant
-        label = Label(bound.name, bound.unit, pick.phase, pick.time, bound.span, constant, bound.sine)
-        rows.add_bound(bound, label, where[pick.phase, round(pick.time, 9)], share, entries, pick.tighten)
+        label = Label(bound.name, bound.unit, item.phase, item.time, bound.span, constant, bound.sine, bound.kind)
+        rows.add_bound(bound, label, where[item.phase, round(item.time, 9)], share, entries, item.tighten)
     c, d = rows.matrices(points.count)
     return Program(
         functions=functions,
@@ -129,7 +131,7 @@ def make_program(
     )
 
 
-def all_picks(trans: Transcription, points: Points) -> list[Pick]:
+def every_bound(trans: Transcription, points: Points) -> list[ImposedBound]:
     """Every bound at every point."""
     borders, motion = trans.motion.borders, trans.motion
     found = []
@@ -140,5 +142,5 @@ def all_picks(trans: Transcription, points: Points) -> list[Pick]:
             # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
             unloaded = free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench
             if not (bound.interior and (start or end)) and not unloaded:
-                found.append(Pick(phase, k, time))
+                found.append(ImposedBound(phase, k, time))
     return found

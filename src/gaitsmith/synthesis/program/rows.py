@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from gaitsmith.synthesis.motions.layout import Layout
-from gaitsmith.synthesis.program.bounds import Bound, shown
+from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.program.bounds import Kind, PhaseBound, shown
 
 Array = npt.NDArray[np.float64]
 
@@ -18,7 +18,10 @@ Entries = tuple[list[int], list[int], list[float]]
 
 @dataclass(frozen=True)
 class Label:
-    """What a row says, where, and how its value reads: value times span plus constant, or the angle with that sine."""
+    """What a row says, where, and how its value reads: value times span plus constant, or the angle with that sine.
+
+    ``kind`` is that of a bound; None for an equality.
+    """
 
     name: str
     unit: str
@@ -27,6 +30,7 @@ class Label:
     span: float
     constant: float = 0.0
     sine: bool = False
+    kind: Kind | None = None
 
     def shown(self, value: float) -> float:
         """The row's value, or a bound on it, in the unit."""
@@ -40,7 +44,7 @@ class Rows:
     Bounds whose range is large are divided by ``span`` so that all rows have comparable size.
     """
 
-    layout: Layout
+    layout: PointLayout
     size: int
     low: list[float] = field(default_factory=list)
     high: list[float] = field(default_factory=list)
@@ -77,7 +81,7 @@ class Rows:
             self.add(label, float(values[k]), float(values[k]), lin=lin)
 
     def add_bound(
-        self, bound: Bound, label: Label, point: int, share: float, inputs: Entries, tighten: float = 0.0
+        self, bound: PhaseBound, label: Label, point: int, share: float, inputs: Entries, tighten: float = 0.0
     ) -> None:
         """Append a bound at a point, divided by its span; ``share``: normalised time; ``tighten``: part of the span."""
         row = self.count

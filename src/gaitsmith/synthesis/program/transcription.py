@@ -8,12 +8,13 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from gaitsmith.splines.joint_spline import JointSpline
+from gaitsmith.splines.polynomial import bernstein, lobatto
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
-from gaitsmith.synthesis.program.bounds import Bound, phase_bounds, pivot_of
-from gaitsmith.synthesis.program.curves import JointSpline, bernstein, lobatto
+from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds, pivot_of
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -57,7 +58,7 @@ class Transcription:
 
     def __init__(self, biped: Biped, motion: Motion, settings: Settings) -> None:
         self.biped, self.motion, self.settings = biped, motion, settings
-        self.layout = Layout(biped.joints)
+        self.layout = PointLayout(biped.joints)
         self.borders = motion.borders
         knots, self.first_section = [0.0], []
         for phase, start in zip(motion.phases, motion.borders, strict=False):
@@ -72,7 +73,7 @@ class Transcription:
                 self._wrench_first[index] = size
                 size += 6 * (WRENCH_DEGREE + 1)
         self.size = size
-        self.bounds: list[list[Bound]] = [
+        self.bounds: list[list[PhaseBound]] = [
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
         ]
         self.pivots = np.array([pivot_of(biped, phase) for phase in motion.phases])

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import contact_points, hull, zmp
+from gaitsmith.synthesis.gaits.support import contact_points, hull, inside, zmp
 from gaitsmith.synthesis.proof.verify import verify
 
 Array = npt.NDArray[np.float64]
@@ -56,14 +56,11 @@ def _traces(gait: Gait, robot: Robot) -> _Traces:
         for k in range(_SAMPLES):
             finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
             com[:, k] = finder.centre_of_mass()[:2]
-        corners = hull(contact_points(biped, phase))
-        edges = np.roll(corners, -1, axis=0) - corners
-        normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
         names += [phase.name] * _SAMPLES
         parts["zmp"].append(zmp(phase, gait.wrenches(index, times)))
         parts["com"].append(com)
         parts["torque"].append(gait.torques(index, times))
-        parts["inside"].append((normals @ com - np.sum(normals * corners, axis=1)[:, None]).min(axis=0))
+        parts["inside"].append(inside(hull(contact_points(biped, phase)), com))
         parts["single"].append(np.full(_SAMPLES, not phase.double))
     stacked = {key: np.concatenate(value, axis=-1) for key, value in parts.items()}
     return _Traces(names, **stacked)

@@ -15,7 +15,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import NonNegative, Parameters, Positive
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.repetition import Repetition
+from gaitsmith.synthesis.gaits.unrolled import UnrolledGait
 from gaitsmith.synthesis.motions.motion import Phase
 
 Array = npt.NDArray[np.float64]
@@ -106,7 +106,7 @@ class _Wanted:
 class _Plan:
     """The plan at every control tick, computed a block of ticks at a time; its end is held for a while if at rest."""
 
-    def __init__(self, whole: Repetition, settle: float) -> None:
+    def __init__(self, whole: UnrolledGait, settle: float) -> None:
         self._whole = whole
         self.last = round(whole.duration / _TICK)
         self._first = -1
@@ -208,7 +208,7 @@ def replay(
 def _replayed(
     gait: Gait, robot: Robot, settings: ReplaySettings, steps: int, report: Callable[[float, float], None] | None
 ) -> ReplayResult:
-    plan, target = _Plan(Repetition(gait, robot, steps), settings.settle), _ball(gait)
+    plan, target = _Plan(UnrolledGait(gait, robot, steps), settings.settle), _ball(gait)
     model = _model(robot, target, settings)
     data = mujoco.MjData(model)
     nq, nv, n = robot.model.nq, robot.model.nv, len(robot.joint_names)

@@ -15,16 +15,17 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.robots import Robot
+from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, follow
-from gaitsmith.synthesis.gaits.support import hull_margin
+from gaitsmith.synthesis.gaits.support import zmp_margin
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
-from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.motions.motion import At, Phase
 from gaitsmith.synthesis.motions.settings import Bounds
+from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import phase_bounds, pivot_of, quantity_form
-from gaitsmith.synthesis.solution.certificate import ALLOWED, Worst, disagreements, merge, ranked
-from gaitsmith.synthesis.solution.dense import BoundTable
+from gaitsmith.synthesis.solution.bound_check import BoundTable
+from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, disagreements, merge, ranked
 
 Array = npt.NDArray[np.float64]
 _MIRROR3 = np.array([1.0, -1.0, 1.0])
@@ -55,7 +56,7 @@ class Verdict:
         problems: what failed, in words.
     """
 
-    worst: dict[str, Worst] = field(default_factory=dict)
+    worst: dict[str, BoundMargin] = field(default_factory=dict)
     closure: dict[str, float] = field(default_factory=lambda: dict.fromkeys(CLOSURE, 0.0))
     torque_jump: float = 0.0
     dynamics_residual: float = 0.0
@@ -98,8 +99,8 @@ class _Recorder:
     def __init__(self, biped: Biped, gait: Gait, phase: int, finder: StateFinder) -> None:
         self.biped, self.gait, self.index, self.finder = biped, gait, phase, finder
         self.phase: Phase = gait.motion.phases[phase]
-        self.layout = Layout(biped.joints)
-        self.other = "left" if self.phase.support == "right" else "right"
+        self.layout = PointLayout(biped.joints)
+        self.other = self.phase.other_foot
 
     def outputs(self, times: Array, verdict: Verdict) -> tuple[Array, Array, list[FullState]]:
         """Outputs (outputs, N), inputs (inputs, N) and full states; closure and residual go into the verdict."""
@@ -161,16 +162,14 @@ class _Recorder:
 
     def _closure(self, verdict: Verdict) -> None:
         """Errors of the contact points of the other foot: they must stay where they are."""
-        phase, sole = self.phase, self.biped.leg(self.other).sole
+        phase = self.phase
         assert phase.other is not None
-        ends = {"heel": (-sole.heel,), "toe": (sole.toe,), "flat": (-sole.heel, sole.toe)}[phase.contact]
-        for x in ends:
-            for y in (-sole.half_width, sole.half_width):
-                place, speed, pull, *_ = self.finder.foot(self.other, np.array([x, y, 0.0]))
-                goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
-                errors = (1e3 * np.abs(place - goal).max(), np.abs(speed).max(), np.abs(pull).max())
-                for name, error in zip(CLOSURE, errors, strict=True):
-                    verdict.closure[name] = _larger(verdict.closure[name], error)
+        for x, y in self.biped.corners(phase.contact):
+            place, speed, pull, *_ = self.finder.foot(self.other, np.array([x, y, 0.0]))
+            goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
+            errors = (1e3 * np.abs(place - goal).max(), np.abs(speed).max(), np.abs(pull).max())
+            for name, error in zip(CLOSURE, errors, strict=True):
+                verdict.closure[name] = _larger(verdict.closure[name], error)
 
 
 def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, int], None] | None = None) -> Verdict:
@@ -207,8 +206,10 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
             BoundTable(recorder.layout, items).values(o, z, np.linspace(0.0, 1.0, dense)),
         )
         _feet(verdict, biped, gait, index, o, recorder.layout)
-        wrench = gait.wrenches(index, times)
-        verdict.hull_margin = _smaller(verdict.hull_margin, 1e3 * hull_margin(biped, phase, wrench))
+        margin = 1e3 * zmp_margin(biped, phase, gait.wrenches(index, times))
+        verdict.hull_margin = _smaller(verdict.hull_margin, margin)
+        if not phase.double:
+            verdict.zmp_margin = _smaller(verdict.zmp_margin, margin)
         if report is not None:
             report(index + 1, len(gait.motion.phases))
     _seams(verdict, gait, biped, finder, edge_states)
@@ -223,15 +224,15 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
     return verdict
 
 
-def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layout: Layout) -> None:
-    """Penetration, clearance and ZMP margin of one phase."""
+def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layout: PointLayout) -> None:
+    """Penetration and clearance of one phase."""
     phase = gait.motion.phases[index]
-    sole, pivot = biped.leg("left").sole, pivot_of(biped, phase)[0]
-    lowest = np.full(o.shape[1], np.inf)
-    for x in (-sole.heel, sole.toe):
-        for y in (-sole.half_width, sole.half_width):
-            height = o[layout.pivot + 2] - o[layout.foot_pitch] * (x - pivot) + o[layout.foot_roll] * y
-            lowest = np.minimum(lowest, height)
+    pivot = pivot_of(biped, phase)[0]
+    heights = [
+        o[layout.pivot + 2] - o[layout.foot_pitch] * (x - pivot) + o[layout.foot_roll] * y
+        for x, y in biped.corners("flat")
+    ]
+    lowest = np.min(heights, axis=0)
     verdict.penetration = _larger(verdict.penetration, -1e3 * lowest.min())
     if phase.double:
         return
@@ -240,10 +241,6 @@ def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layo
     end = count // 2 if gait.motion.lands(index) else count
     middle = lowest[begin : max(end, begin + 1)]
     verdict.clearance = _smaller(verdict.clearance, 1e3 * middle.min())
-    fz = o[layout.force + 2]
-    x, y = -o[layout.moment + 1] / fz, o[layout.moment] / fz
-    margin = np.minimum(np.minimum(x + sole.heel, sole.toe - x), sole.half_width - np.abs(y))
-    verdict.zmp_margin = _smaller(verdict.zmp_margin, 1e3 * margin.min())
 
 
 def _seams(
@@ -254,9 +251,8 @@ def _seams(
     last = len(gait.motion.phases) - 1
     for pieces in gait.pieces:
         for one, two in pairwise(pieces):
-            left = np.polynomial.chebyshev.chebval(1.0, one.torque.T)
-            right = np.polynomial.chebyshev.chebval(-1.0, two.torque.T)
-            verdict.torque_jump = _larger(verdict.torque_jump, np.abs(left - right).max())
+            jump = np.abs(chebyshev(one.torque, 1.0) - chebyshev(two.torque, 0.0)).max()
+            verdict.torque_jump = _larger(verdict.torque_jump, jump)
     pairs = [(gait, index, gait, index + 1, edges[index][1], edges[index + 1][0]) for index in range(last)]
     if gait.motion.cyclic:
         image = follow(gait, gait, True, biped.partner, biped.sign)

@@ -13,10 +13,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Same, State
-from gaitsmith.synthesis.motions.posture import standing
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.requests.request import REST, Answer
 from gaitsmith.synthesis.solution.ipopt import Progress

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.gaits.gait import Gait, follow
+from gaitsmith.synthesis.motions.biped import standing
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
 from gaitsmith.synthesis.motions.motion import Motion
-from gaitsmith.synthesis.motions.posture import standing
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
@@ -185,7 +185,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
             if item["constraint"] not in worst or moved["violation"] > worst[item["constraint"]]["violation"]:
                 worst[item["constraint"]] = moved
     solver = {
-        name: {key: value for key, value in found.gait.solver.items() if key != "unknowns"}
+        name: found.gait.solver
         for name, found in (("start", begin), ("cyclic", cycle), ("stop", end))
         if found.gait is not None
     }

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.gaits.support import zmp_margin
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, verify
 from gaitsmith.synthesis.requests.request import Answer
@@ -24,26 +26,22 @@ def peak_torques(gait: Gait) -> dict[str, float]:
     return dict(zip(gait.joint_names, peaks.tolist(), strict=True))
 
 
-def zmp_margin(gait: Gait, biped: Biped) -> float:
+def single_support_margin(gait: Gait, biped: Biped) -> float:
     """Smallest distance of the ZMP from the support sole's edge in single support, m."""
-    sole, borders, found = biped.leg("left").sole, gait.motion.borders, np.inf
-    for index, phase in enumerate(gait.motion.phases):
-        if phase.double:
-            continue
-        times = np.linspace(borders[index], borders[index + 1], _SAMPLES)
-        first = 0 if phase.support == "left" else 6
-        wrench = gait.wrenches(index, times)[first : first + 6]
-        x, y = -wrench[4] / wrench[2], wrench[3] / wrench[2]
-        margin = np.minimum(np.minimum(x + sole.heel, sole.toe - x), sole.half_width - np.abs(y))
-        found = min(found, float(margin.min()))
-    return found
+    borders = gait.motion.borders
+    margins = [
+        zmp_margin(biped, phase, gait.wrenches(index, np.linspace(borders[index], borders[index + 1], _SAMPLES)))
+        for index, phase in enumerate(gait.motion.phases)
+        if not phase.double
+    ]
+    return min(margins, default=np.inf)
 
 
 def torque_jump(gait: Gait, biped: Biped) -> float:
     """Largest jump of a joint torque where sections meet, and at the seam of a cyclic gait, N·m."""
     pieces = [piece for group in gait.pieces for piece in group]
-    starts = np.array([np.polynomial.chebyshev.chebval(-1.0, piece.torque.T) for piece in pieces])
-    ends = np.array([np.polynomial.chebyshev.chebval(1.0, piece.torque.T) for piece in pieces])
+    starts = np.array([chebyshev(piece.torque, 0.0) for piece in pieces])
+    ends = np.array([chebyshev(piece.torque, 1.0) for piece in pieces])
     jumps = np.abs(ends[:-1] - starts[1:])
     if gait.motion.cyclic:
         jumps = np.vstack([jumps, np.abs(ends[-1] - biped.mirrored(starts[0]))])
@@ -77,7 +75,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "fallbacks": sum(item.fallbacks for item in results),
         "duration": None if gait is None else gait.duration,
         "max_torque": None if gait is None else peak_torques(gait),
-        "zmp_margin_mm": None if gait is None else 1e3 * zmp_margin(gait, biped),
+        "zmp_margin_mm": None if gait is None else 1e3 * single_support_margin(gait, biped),
         "torque_jump": jump,
         "warnings": warnings,
         "worst": worst,

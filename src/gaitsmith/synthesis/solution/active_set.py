@@ -44,12 +44,12 @@ class ActiveStep:
     H: sp.spmatrix
     jacobian: sp.csr_matrix
 
-    def conditions(self) -> Held:
+    def conditions(self) -> KktFactor:
         """The optimality conditions with the held rows, factorised."""
-        return Held(self.H, self.jacobian[self.held])
+        return KktFactor(self.H, self.jacobian[self.held])
 
 
-class Held:
+class KktFactor:
     """Optimality conditions with some rows held: factorised once, solved often.
 
     Args:
@@ -102,7 +102,7 @@ def active_set_step(
         held = np.flatnonzero(equal | (side != 0))
         goal = np.where(side[held] < 0, low[held], high[held])
         try:
-            conditions = Held(H, jacobian[held])
+            conditions = KktFactor(H, jacobian[held])
         except RuntimeError:
             return None
         base = conditions.solve(np.concatenate([-gradient, goal]))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.motion import Phase
-from gaitsmith.synthesis.program.bounds import Bound
+from gaitsmith.synthesis.program.bounds import PhaseBound
 
 Array = npt.NDArray[np.float64]
 ALLOWED = 1e-3  # share of a bound's range
@@ -17,7 +17,7 @@ AGREES = 5e-3  # share of a bound's range by which a file's certificate may diff
 
 
 @dataclass(frozen=True)
-class Worst:
+class BoundMargin:
     """A constraint where it is closest to its limit, or furthest beyond it.
 
     Attributes:
@@ -28,6 +28,7 @@ class Worst:
         time: s from the start of the motion.
         phase: name of the phase.
         violation: share of the constraint's range; negative inside.
+        twin: name of the same constraint in the mirror image, empty if that has the same one.
     """
 
     constraint: str
@@ -37,21 +38,14 @@ class Worst:
     time: float
     phase: str
     violation: float
+    twin: str = ""
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        return {
-            "constraint": self.constraint,
-            "value": self.value,
-            "limit": self.limit,
-            "unit": self.unit,
-            "time": self.time,
-            "phase": self.phase,
-            "violation": self.violation,
-        }
+        return {key: value for key, value in vars(self).items() if key != "twin"}
 
 
-def merge(found: dict[str, Worst], phase: Phase, bounds: list[Bound], times: Array, values: Array) -> None:
+def merge(found: dict[str, BoundMargin], phase: Phase, bounds: list[PhaseBound], times: Array, values: Array) -> None:
     """Add one phase's values (bounds, N) to the worst so far."""
     for bound, row in zip(bounds, values, strict=True):
         over, under = (row - bound.high) / bound.span, (bound.low - row) / bound.span
@@ -65,15 +59,17 @@ def merge(found: dict[str, Worst], phase: Phase, bounds: list[Bound], times: Arr
         if bound.name not in found or worst > found[bound.name].violation or np.isnan(worst):
             limit = bound.high if over[k] >= under[k] else bound.low
             value, limit = bound.shown(float(row[k])), bound.shown(float(limit))
-            found[bound.name] = Worst(bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst)
+            found[bound.name] = BoundMargin(
+                bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst, bound.twin
+            )
 
 
-def ranked(found: dict[str, Worst]) -> list[Worst]:
+def ranked(found: dict[str, BoundMargin]) -> list[BoundMargin]:
     """The worst first."""
     return sorted(found.values(), key=lambda item: -np.inf if np.isnan(item.violation) else -item.violation)
 
 
-def disagreements(stored: dict[str, Any], found: dict[str, Worst]) -> list[str]:
+def disagreements(stored: dict[str, Any], found: dict[str, BoundMargin]) -> list[str]:
     """What a file's certificate says otherwise than physics, in words.
 
     A constraint and its mirror image count as one, because a walk repeats one cycle's certificate for the mirrored one.
@@ -85,16 +81,20 @@ def disagreements(stored: dict[str, Any], found: dict[str, Worst]) -> list[str]:
     entries = stored.get("worst")
     if not isinstance(entries, list) or not entries:
         return ["the certificate in the file has no list of worst values"]
+    pairs = [(item.constraint, item.twin) for item in found.values() if item.twin]
+    same = {name: min(pair) for pair in pairs for name in pair}
     told: dict[str, float] = {}
     for index, entry in enumerate(entries):
         fields = entry if isinstance(entry, dict) else {}
         name, violation = fields.get("constraint"), fields.get("violation")
         if not isinstance(name, str) or not isinstance(violation, float) or not abs(violation) < np.inf:
             return [f"the certificate in the file does not say the constraint and its violation in worst[{index}]"]
-        told[_unsided(name)] = max(told.get(_unsided(name), -np.inf), violation)
+        name = same.get(name, name)
+        told[name] = max(told.get(name, -np.inf), violation)
     real: dict[str, float] = {}
     for item in found.values():
-        real[_unsided(item.constraint)] = max(real.get(_unsided(item.constraint), -np.inf), item.violation)
+        name = same.get(item.constraint, item.constraint)
+        real[name] = max(real.get(name, -np.inf), item.violation)
     texts = []
     for name in sorted(told.keys() ^ real.keys()):
         texts.append(f"{name[:60]} is only {'in' if name in told else 'missing from'} the file's certificate")
@@ -102,7 +102,3 @@ def disagreements(stored: dict[str, Any], found: dict[str, Worst]) -> list[str]:
         if abs(told[name] - real[name]) > AGREES:
             texts.append(f"{name}: violation {told[name]:.6g} in the file's certificate, {real[name]:.6g} by physics")
     return texts
-
-
-def _unsided(name: str) -> str:
-    return name.replace("left_", "").replace("right_", "").replace("left foot", "foot").replace("right foot", "foot")

@@ -17,23 +17,30 @@ from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.functions import PointFunctions, point_functions
-from gaitsmith.synthesis.program.bounds import check_margin
+from gaitsmith.synthesis.program.bounds import Kind, check_margin
 from gaitsmith.synthesis.program.guess import default_start
-from gaitsmith.synthesis.program.program import Pick, Program, all_picks, make_program
+from gaitsmith.synthesis.program.program import ImposedBound, Program, every_bound, make_program
 from gaitsmith.synthesis.program.transcription import Points, Transcription
-from gaitsmith.synthesis.solution.certificate import ALLOWED, Worst, merge, ranked
-from gaitsmith.synthesis.solution.closure import finished_pieces
-from gaitsmith.synthesis.solution.dense import DenseCheck, check, close_picks, new_picks, with_times, worst_violation
-from gaitsmith.synthesis.solution.failure import explain, lacking, out_of_reach
+from gaitsmith.synthesis.solution.bound_check import (
+    BoundCheck,
+    check_bounds,
+    with_close,
+    with_times,
+    with_violated,
+    worst_violation,
+)
+from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, merge, ranked
+from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces
+from gaitsmith.synthesis.solution.diagnose import explain, lacking, out_of_reach
+from gaitsmith.synthesis.solution.elastic import solve_elastic
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
-from gaitsmith.synthesis.solution.relaxation import relaxed
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
 Array = npt.NDArray[np.float64]
 _ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
-_CURVED = ("friction", "yaw moment")  # far from a solution these rows make the solver wander
-_SELDOM = ("torque", *_CURVED)  # imposed only where the dense grid asks for it
+_CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
+_SELDOM = (Kind.TORQUE, *_CURVED)  # imposed only where the dense grid asks for it
 _EXAMINATION = 20.0  # s, to find out why there is no solution
 _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
@@ -57,32 +64,32 @@ class PlanResult:
     Attributes:
         status: ``solved``, ``not solved`` or ``not certified``.
         reason: why not, in words; empty when solved.
+        variables: unknowns.
+        times: s: setup, compile, solve, check.
         gait: the gait with its certificate; None unless solved.
         objective: J of eq. (16).
         iterations: of all solves together.
         rounds: how often points were added.
         fallbacks: how often a slower method had to take over.
-        times: s: setup, compile, solve, check.
-        variables: unknowns.
         constraints: rows of the last program.
         worst: every constraint's worst value, the worst first.
-        x, picks, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
+        x, imposed, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
             neighbour starts warm.
     """
 
     status: str
     reason: str
-    gait: Gait | None
-    objective: float
-    iterations: int
-    rounds: int
-    fallbacks: int
-    times: dict[str, float]
     variables: int
-    constraints: int
-    worst: list[Worst]
-    x: Array
-    picks: list[Pick] = field(default_factory=list)
+    times: dict[str, float]
+    gait: Gait | None = None
+    objective: float = np.nan
+    iterations: int = 0
+    rounds: int = 0
+    fallbacks: int = 0
+    constraints: int = 0
+    worst: list[BoundMargin] = field(default_factory=list)
+    x: Array = field(default_factory=lambda: np.zeros(0))
+    imposed: list[ImposedBound] = field(default_factory=list)
     borders: Array = field(default_factory=lambda: np.zeros(0))
     solution: Solution | None = None
 
@@ -92,48 +99,12 @@ class PlanResult:
         return self.status == "solved"
 
 
-@dataclass(frozen=True, eq=False)
-class _Tally:
-    """What is known after a solve."""
-
-    objective: float
-    iterations: int
-    rounds: int
-    times: dict[str, float]
-    trans: Transcription
-    program: Program
-    x: Array
-    picks: list[Pick]
-    found: Solution
-    fallbacks: int
-
-    def result(self, status: str, reason: str, worst: list[Worst], gait: Gait | None = None) -> PlanResult:
-        """The result of planning."""
-        return PlanResult(
-            status,
-            reason,
-            gait,
-            self.objective,
-            self.iterations,
-            self.rounds,
-            self.fallbacks,
-            self.times,
-            self.trans.size,
-            self.program.rows,
-            worst,
-            self.x,
-            self.picks,
-            self.trans.motion.borders,
-            self.found,
-        )
-
-
 class Planner:
     """Plans motions for one robot; the compiled functions are loaded once.
 
     Args:
         robot: the robot.
-        notify: told once when the dynamics are compiled, or when there is no compiler.
+        notify: called once before the dynamics are compiled, or where there is no compiler.
 
     Raises:
         BadInput: the robot has legs or soles that cannot be planned for.
@@ -167,67 +138,67 @@ class Planner:
         settings = settings or Settings()
         check_margin(self.biped, settings.bounds)
         begin = time.perf_counter()
+        deadline = begin + settings.time_limit
         trans = Transcription(self.biped, motion, settings)
-        impossible = out_of_reach(trans)
-        if impossible:
-            times = {"setup": time.perf_counter() - begin, "compile": 0.0, "solve": 0.0, "check": 0.0}
-            return PlanResult("not solved", impossible, None, np.nan, 0, 0, 0, times, trans.size, 0, [], np.zeros(0))
-        base = trans.points()
-        found: Solution | None = None
+        times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
+        result = PlanResult("not solved", out_of_reach(trans), trans.size, times, borders=motion.borders)
+        if result.reason:
+            times |= {"setup": time.perf_counter() - begin, "compile": 0.0}
+            return result
+        self._compile_s = 0.0
+        base, usual = trans.points(), default_start(trans) if start is None else start
         if neighbour is not None and len(neighbour.x) == trans.size:
-            picks = scaled_picks(neighbour.picks, neighbour.borders, motion.borders)
+            imposed = rescaled(neighbour.imposed, neighbour.borders, motion.borders)
             x, found = neighbour.x, neighbour.solution
         else:
-            picks = seldom_left_out(trans, base)
-            x = default_start(trans) if start is None else start
-        begin_x = default_start(trans) if start is None else start
-        times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
-        iterations, rounds, fallbacks, relaxed_once = 0, 0, 0, False
-        deadline = begin + settings.time_limit
-        self._compile_s = 0.0
+            imposed, x, found = without_seldom(trans, base), usual, None
+        examined = False
         times["setup"] += time.perf_counter() - begin
         while True:
             clock = time.perf_counter()
-            points = with_times(trans, base, picks)
-            program = make_program(trans, self.functions, points, picks)
-            far = start is not None or relaxed_once
-            tell = None if report is None else partial(report, rounds)
-            found = self._solve(program, found, x, settings, deadline, rounds, far, tell)
-            iterations += found.iterations
-            fallbacks += found.fallbacks
+            program = make_program(trans, self.functions, with_times(trans, base, imposed), imposed)
+            tell = None if report is None else partial(report, result.rounds)
+            far = start is not None or examined
+            found = self._solve(program, found, x, settings, deadline, result.rounds, far, tell)
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
             z, o = program.evaluate(x)
-            tally = _Tally(
-                program.objective(z, o), iterations, rounds, times, trans, program, x, picks, found, fallbacks
+            result = replace(
+                result,
+                objective=program.objective(z, o),
+                iterations=result.iterations + found.iterations,
+                fallbacks=result.fallbacks + found.fallbacks,
+                constraints=program.rows,
+                x=x,
+                imposed=imposed,
+                solution=found,
             )
             if not found.solved:
-                possible, reason = self._examined(trans, base, program, found, begin_x, deadline, tell)
-                if possible is None or relaxed_once:
-                    return tally.result("not solved", reason, [])
-                picks, x, found, relaxed_once = seldom_left_out(trans, base), possible, None, True
+                possible, reason = self._examined(trans, base, program, found, usual, deadline, tell)
+                if possible is None or examined:
+                    return replace(result, reason=reason)
+                imposed, x, found, examined = without_seldom(trans, base), possible, None, True
                 continue
             clock = time.perf_counter()
-            checks = check(trans, self.functions, x, settings.dense)
+            checks = check_bounds(trans, self.functions, x, settings.dense)
             times["check"] += time.perf_counter() - clock
-            beyond = worst_violation(checks)
-            if beyond <= _ENOUGH:
+            if worst_violation(checks) <= _ENOUGH:
                 break
-            if rounds >= settings.refinements or time.perf_counter() > deadline:
+            if result.rounds >= settings.refinements or time.perf_counter() > deadline:
                 worst = certificate(trans, checks)
                 first = worst[0]
                 text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
-                return tally.result("not certified", f"{text}, after {rounds} refinements", worst)
-            picks = new_picks(trans, checks, picks, _AIM)
-            rounds += 1
-        worst = certificate(trans, checks)
+                text += f", after {result.rounds} refinements"
+                return replace(result, status="not certified", reason=text, worst=worst)
+            imposed = with_violated(trans, checks, imposed, _AIM)
+            result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
-        near, found = near_picks(program, picks, found, o)
-        tally = replace(tally, picks=close_picks(trans, checks, near), found=found)
-        gait = self._gait(trans, x, worst, checks, tally)
+        near, found = near_bounds(program, imposed, found, o)
+        result = replace(result, worst=certificate(trans, checks), imposed=with_close(trans, checks, near))
+        result = replace(result, status="solved", solution=found, gait=self._gait(trans, checks, result))
         times["check"] += time.perf_counter() - clock
-        return tally.result("solved", "", worst, gait)
+        return result
 
     def _examined(
         self,
@@ -242,12 +213,9 @@ class Planner:
         """Unknowns that meet everything, if there are any after all; and the reason why not, in words."""
         late = time.perf_counter() > deadline
         reason = explain(trans, program, found, late)
-        picks = [
-            pick for pick in all_picks(trans, base) if not trans.bounds[pick.phase][pick.bound].name.endswith(_CURVED)
-        ]
-        whole = make_program(trans, self.functions, base, picks)
-        limit = min(_EXAMINATION, trans.settings.time_limit)
-        least = relaxed(whole, start, limit, tell)
+        imposed = without(every_bound(trans, base), trans, _CURVED)
+        whole = make_program(trans, self.functions, base, imposed)
+        least = solve_elastic(whole, start, min(_EXAMINATION, trans.settings.time_limit), tell)
         if least.excesses or least.unmet is not None:
             return None, lacking(trans, least)
         return (least.x if least.solved and not late else None), reason
@@ -281,66 +249,69 @@ class Planner:
             return cold
         return replace(cold, iterations=cold.iterations + found.iterations, fallbacks=found.fallbacks + 1)
 
-    def _gait(
-        self, trans: Transcription, x: Array, worst: list[Worst], checks: list[DenseCheck], tally: _Tally
-    ) -> Gait:
+    def _gait(self, trans: Transcription, checks: list[BoundCheck], result: PlanResult) -> Gait:
         """The gait in the robot's own order and world axes."""
-        robot = self.biped.robot
-        pieces = [finished_pieces(trans, self.functions, x, phase, item.pieces) for phase, item in enumerate(checks)]
+        robot, settings = self.biped.robot, trans.settings
+        pieces = [
+            finished_pieces(trans, self.functions, result.x, phase, item.pieces) for phase, item in enumerate(checks)
+        ]
         solver: dict[str, Any] = {
             "name": "IPOPT, SQP",
-            "status": tally.found.status,
-            "iterations": tally.iterations,
-            "rounds": tally.rounds,
-            "fallbacks": tally.fallbacks,
-            "objective": tally.objective,
-            "unknowns": x.tolist(),
+            "status": "" if result.solution is None else result.solution.status,
         }
+        solver |= {name: getattr(result, name) for name in ("iterations", "rounds", "fallbacks", "objective")}
         return Gait(
             robot=robot.card.name,
             robot_hash=robot.content_hash,
             joint_names=robot.joint_names,
             motion=trans.motion,
             pieces=tuple(pieces),
-            bounds=trans.settings.bounds.model_dump(),
-            order=trans.settings.order,
+            bounds=settings.bounds.model_dump(),
+            order=settings.order,
             solver=solver,
-            certificate={"dense_points": trans.settings.dense, "worst": [item.as_dict() for item in worst]},
+            certificate={"dense_points": settings.dense, "worst": [item.as_dict() for item in result.worst]},
         )
 
 
-def certificate(trans: Transcription, checks: list[DenseCheck]) -> list[Worst]:
+def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[BoundMargin]:
     """Every constraint's worst value, the worst first."""
-    found: dict[str, Worst] = {}
+    found: dict[str, BoundMargin] = {}
     for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values)
     return ranked(found)
 
 
-def seldom_left_out(trans: Transcription, base: Points) -> list[Pick]:
+def without(imposed: list[ImposedBound], trans: Transcription, kinds: tuple[Kind, ...]) -> list[ImposedBound]:
+    """The imposed bounds that are of no such kind."""
+    return [item for item in imposed if trans.bounds[item.phase][item.bound].kind not in kinds]
+
+
+def without_seldom(trans: Transcription, base: Points) -> list[ImposedBound]:
     """All bounds at all points, without those that are imposed only where the dense grid asks for them."""
-    return [pick for pick in all_picks(trans, base) if not trans.bounds[pick.phase][pick.bound].name.endswith(_SELDOM)]
+    return without(every_bound(trans, base), trans, _SELDOM)
 
 
-def near_picks(program: Program, picks: list[Pick], found: Solution, o: Array) -> tuple[list[Pick], Solution]:
-    """The picks that lie near their bounds, and the solution's multipliers without those of the others.
+def near_bounds(
+    program: Program, imposed: list[ImposedBound], found: Solution, o: Array
+) -> tuple[list[ImposedBound], Solution]:
+    """The imposed bounds that lie near their bounds, and the solution's multipliers without those of the others.
 
     A neighbour starts with these, and with the instants at which it may meet its bounds; the dense grid sees
     to the rest.
     """
-    first = program.rows - len(picks)
+    first = program.rows - len(imposed)
     rows = program.constraint(found.x, o)
     room = np.minimum(program.high - rows, rows - program.low)[first:]
     keep = np.flatnonzero(room < _NEAR)
     multipliers = np.concatenate([found.multipliers[:first], found.multipliers[first:][keep]])
-    return [picks[k] for k in keep], replace(found, multipliers=multipliers)
+    return [imposed[k] for k in keep], replace(found, multipliers=multipliers)
 
 
-def scaled_picks(picks: list[Pick], old: Array, new: Array) -> list[Pick]:
-    """Picks of one motion at the same shares of the phases of another."""
+def rescaled(imposed: list[ImposedBound], old: Array, new: Array) -> list[ImposedBound]:
+    """Imposed bounds of one motion at the same shares of the phases of another."""
     found = []
-    for pick in picks:
-        share = (pick.time - old[pick.phase]) / (old[pick.phase + 1] - old[pick.phase])
-        time = new[pick.phase] + share * (new[pick.phase + 1] - new[pick.phase])
-        found.append(Pick(pick.phase, pick.bound, float(time), pick.tighten))
+    for item in imposed:
+        share = (item.time - old[item.phase]) / (old[item.phase + 1] - old[item.phase])
+        time = new[item.phase] + share * (new[item.phase + 1] - new[item.phase])
+        found.append(ImposedBound(item.phase, item.bound, float(time), item.tighten))
     return found

@@ -42,7 +42,7 @@ class Samples:
     zmp: Array
 
 
-class Repetition:
+class UnrolledGait:
     """A gait, a cyclic one repeated: two steps are written out, and all others are these two further on.
 
     Args:

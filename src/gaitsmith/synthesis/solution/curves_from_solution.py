@@ -12,9 +12,9 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.gaits.gait import Piece, polynomial
+from gaitsmith.splines.polynomial import bernstein_to_power, chebyshev_fit, hermite, polynomial, power_basis
+from gaitsmith.synthesis.gaits.gait import Piece
 from gaitsmith.synthesis.point.functions import PointFunctions
-from gaitsmith.synthesis.program.curves import power_basis
 from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Points, Transcription
 
 Array = npt.NDArray[np.float64]
@@ -23,24 +23,7 @@ PARTS = 4  # pieces a section of double support is cut into
 _NEWTON = 8
 _CLOSED, _FAR = 1e-8, 0.2  # m or rad left of a gap; largest correction of a joint, rad
 _SAMPLES = 20  # Chebyshev nodes a piece
-_HERMITE = np.array(
-    [
-        [1, 0, 0, -10, 15, -6],
-        [0, 1, 0, -6, 8, -3],
-        [0, 0, 0.5, -1.5, 1.5, -0.5],
-        [0, 0, 0, 10, -15, 6],
-        [0, 0, 0, -4, 7, -3],
-        [0, 0, 0, 0.5, -1, 0.5],
-    ],
-    dtype=np.float64,
-)
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-
-
-def hermite(span: float, left: Array, right: Array) -> Array:
-    """(n, 6) power coefficients over [0, 1] from states (3, n) at both ends, derivatives with respect to time."""
-    factors = np.array([1.0, span, span**2])[:, None]
-    return np.concatenate([left * factors, right * factors]).T @ _HERMITE
 
 
 def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
@@ -111,9 +94,7 @@ def _states(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
     return np.array((trans.input_map(points) @ x).reshape(len(times), trans.layout.inputs).T)
 
 
-def phase_pieces(
-    trans: Transcription, functions: PointFunctions, x: Array, phase: int
-) -> list[tuple[float, float, Array]]:
+def phase_pieces(trans: Transcription, functions: PointFunctions, x: Array, phase: int) -> list[LocalPiece]:
     """Start, duration and local joint coefficients (n, degree + 1) of a phase's pieces."""
     n = trans.biped.joints
     knots = _knots(trans, phase)
@@ -127,7 +108,7 @@ def phase_pieces(
             (float(a), float(b - a), hermite(float(b - a), states[:, :, k], states[:, :, k + 1]))
             for k, (a, b) in enumerate(pairwise(knots))
         ]
-    basis, found = power_basis(trans.settings.order), []
+    basis, found = bernstein_to_power(trans.settings.order), []
     for k, (a, b) in enumerate(pairwise(knots)):
         section = trans.first_section[phase] + k
         control = np.array([x[trans.joint_columns(j, section)] for j in range(n)])
@@ -142,9 +123,8 @@ def _wrench_at(trans: Transcription, x: Array, phase: int, times: Array) -> Arra
     if not item.double:
         return np.zeros((6, len(times)))
     s = np.clip((times - trans.motion.borders[phase]) / item.duration, 0.0, 1.0)
-    powers = np.arange(WRENCH_DEGREE + 1)
-    coefficients = trans.biped.weight * x[trans.wrench_columns(phase)] @ power_basis(WRENCH_DEGREE).T
-    return np.asarray(coefficients @ s[None, :] ** powers[:, None])
+    coefficients = trans.biped.weight * x[trans.wrench_columns(phase)] @ bernstein_to_power(WRENCH_DEGREE).T
+    return np.asarray(coefficients @ power_basis(WRENCH_DEGREE, s))
 
 
 def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[LocalPiece], times: Array) -> Array:
@@ -169,10 +149,8 @@ def finished_pieces(
     """A phase's pieces in the robot's own order and world axes, with torques and both wrenches."""
     layout, n = trans.layout, trans.biped.joints
     item = trans.motion.phases[phase]
-    nodes = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
-    to_series = np.polynomial.chebyshev.chebvander(nodes, _SAMPLES - 1).T * (2.0 / _SAMPLES)
-    to_series[0] /= 2.0
-    times = np.concatenate([start + span * (nodes + 1.0) / 2.0 for start, span, _ in pieces])
+    nodes, to_series = chebyshev_fit(_SAMPLES)
+    times = np.concatenate([start + span * nodes for start, span, _ in pieces])
     halves = zip(pieces, np.split(times, len(pieces)), strict=True)
     z = np.hstack([local_inputs(trans, x, phase, [piece], part) for piece, part in halves])
     o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])))
@@ -188,15 +166,9 @@ def finished_pieces(
         support, u = support * _MIRROR[:, None], u * _MIRROR[:, None]
         joints = [trans.biped.mirrored(c.T).T for c in joints]
     wrench = np.vstack([u, support] if item.support == "right" else [support, u])
-    found = []
-    for k, (start, span, _) in enumerate(pieces):
-        part = slice(k * _SAMPLES, (k + 1) * _SAMPLES)
-        found.append(
-            Piece(
-                start, span, joints[k], _trimmed(torque[:, part] @ to_series.T), _trimmed(wrench[:, part] @ to_series.T)
-            )
-        )
-    return tuple(found)
+    parts = np.split(np.vstack([torque, wrench]), len(pieces), axis=1)
+    series = [_trimmed(part[:n] @ to_series) for part in parts], [_trimmed(part[n:] @ to_series) for part in parts]
+    return tuple(Piece(start, span, *each) for (start, span, _), *each in zip(pieces, joints, *series, strict=True))
 
 
 def _trimmed(series: Array) -> Array:

@@ -1,32 +1,13 @@
-"""The joint splines of eqs. (17) and (18) as linear maps, and the cubic Bernstein curves of the contact wrench."""
+"""The joint splines of eqs. (17) and (18) of the second paper, as linear maps from their control points."""
 
 from __future__ import annotations
-
-from math import comb
 
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.splines.polynomial import bernstein
+
 Array = npt.NDArray[np.float64]
-
-
-def bernstein(degree: int, s: float, derivative: int = 0) -> Array:
-    """Bernstein polynomials (degree + 1) or their derivatives with respect to ``s`` in [0, 1]."""
-    if derivative > degree:
-        return np.zeros(degree + 1)
-    if derivative:
-        lower = bernstein(degree - 1, s, derivative - 1)
-        return np.asarray(degree * (np.append(0.0, lower) - np.append(lower, 0.0)))
-    return np.array([comb(degree, k) * s**k * (1.0 - s) ** (degree - k) for k in range(degree + 1)])
-
-
-def power_basis(degree: int) -> Array:
-    """Matrix from Bernstein coefficients to those of 1, s, s² ... as eq. (17) writes the polynomial."""
-    matrix = np.zeros((degree + 1, degree + 1))
-    for k in range(degree + 1):
-        for j in range(k, degree + 1):
-            matrix[j, k] = comb(degree, k) * comb(degree - k, j - k) * (-1.0) ** (j - k)
-    return matrix
 
 
 class JointSpline:
@@ -90,13 +71,3 @@ def _bezier_maps(knots: Array, degree: int) -> list[Array]:
             matrix[k] = table[degree]
         maps.append(matrix)
     return maps
-
-
-def lobatto(count: int) -> tuple[Array, Array]:
-    """Gauss-Lobatto nodes in [0, 1] and weights that sum to 1."""
-    if count < 2:
-        raise ValueError(f"{count} Lobatto nodes: at least 2")
-    legendre = np.polynomial.legendre.Legendre.basis(count - 1)
-    nodes = np.concatenate([[-1.0], np.sort(legendre.deriv().roots().real), [1.0]])
-    weights = 2.0 / (count * (count - 1) * legendre(nodes) ** 2)
-    return (nodes + 1.0) / 2.0, weights / 2.0

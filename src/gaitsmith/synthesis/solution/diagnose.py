@@ -8,8 +8,8 @@ import numpy as np
 from gaitsmith.synthesis.program.program import Program
 from gaitsmith.synthesis.program.rows import Label
 from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.elastic import Elastic
 from gaitsmith.synthesis.solution.ipopt import Solution
-from gaitsmith.synthesis.solution.relaxation import Relaxed
 
 _TOLD = 2  # bounds that a reason names
 _SLIGHT = 0.01  # of a bound's range
@@ -28,10 +28,10 @@ def place(trans: Transcription, phase: int, time: float) -> str:
     return f"{share:.0f} % of {stretch}"
 
 
-def lacking(trans: Transcription, least: Relaxed) -> str:
+def lacking(trans: Transcription, least: Elastic) -> str:
     """What a request would take that the robot does not have: "right_knee torque 178 of 40 N·m at 97 % of ...".
 
-    Where hardly any bound gives way and the conditions still do not hold, it is they that contradict each other.
+    Where hardly any bound is exceeded and the conditions still do not hold, it is they that contradict each other.
     """
     unmet = least.unmet
     if unmet is not None and all(item.share < _SLIGHT for item in least.excesses):

@@ -5,7 +5,7 @@ import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.gaits.gait import unrolled
-from gaitsmith.synthesis.gaits.repetition import LONGEST, Repetition
+from gaitsmith.synthesis.gaits.unrolled import LONGEST, UnrolledGait
 
 SAME = 1e-6  # rad, m, N or N·m: where steps meet, curves agree to this
 
@@ -13,12 +13,13 @@ SAME = 1e-6  # rad, m, N or N·m: where steps meet, curves agree to this
 @pytest.mark.parametrize("steps", [1, 2, 5])
 def test_equal_to_the_steps_written_out(dynamic, robot, planner, steps):
     whole = unrolled(dynamic.gait, planner.biped.partner, planner.biped.sign, steps)
-    repeated = Repetition(dynamic.gait, robot, steps)
+    repeated = UnrolledGait(dynamic.gait, robot, steps)
     assert np.isclose(repeated.duration, whole.duration)
-    times = np.linspace(0.0, whole.duration, 97)
+    times, borders = np.linspace(0.0, whole.duration, 97), whole.motion.borders
     found = repeated.at(times)
     for k, time in enumerate(times):
-        phase, instant = whole.phase_at(time), np.array([time])
+        phase = int(np.clip(np.searchsorted(borders, time, side="right") - 1, 0, len(borders) - 2))
+        instant = np.array([time])
         assert np.abs(found.position[k, 7:] - whole.joints(phase, instant)[0][:, 0]).max() < SAME
         assert np.abs(found.torque[k] - whole.torques(phase, instant)[:, 0]).max() < SAME
         assert np.abs(found.wrench[k] - whole.wrenches(phase, instant)[:, 0]).max() < SAME
@@ -27,6 +28,6 @@ def test_equal_to_the_steps_written_out(dynamic, robot, planner, steps):
 
 def test_an_hour_is_the_most(dynamic, robot):
     most = int(LONGEST / dynamic.gait.duration)
-    assert Repetition(dynamic.gait, robot, most).duration <= LONGEST
+    assert UnrolledGait(dynamic.gait, robot, most).duration <= LONGEST
     with pytest.raises(BadInput, match=f"--steps.*{most}"):
-        Repetition(dynamic.gait, robot, most + 1)
+        UnrolledGait(dynamic.gait, robot, most + 1)

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.motions.layout import Layout
 from gaitsmith.synthesis.point.functions import PointFunctions
-from gaitsmith.synthesis.program.bounds import Bound
-from gaitsmith.synthesis.program.program import Pick
+from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.program.bounds import PhaseBound
+from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.transcription import Points, Transcription
-from gaitsmith.synthesis.solution.closure import LocalPiece, local_inputs, phase_pieces
+from gaitsmith.synthesis.solution.curves_from_solution import LocalPiece, local_inputs, phase_pieces
 
 Array = npt.NDArray[np.float64]
 _TIGHTEST = 0.05
@@ -28,7 +28,7 @@ _SAME = 0.02  # share of a phase within which two instants count as one
 class BoundTable:
     """A phase's bounds as matrices: value = out @ o + inp @ z + offset."""
 
-    def __init__(self, layout: Layout, bounds: list[Bound]) -> None:
+    def __init__(self, layout: PointLayout, bounds: list[PhaseBound]) -> None:
         count = len(bounds)
         self.bounds = bounds
         self.out, self.inp = np.zeros((count, layout.outputs)), np.zeros((count, layout.inputs))
@@ -53,7 +53,7 @@ class BoundTable:
 
 
 @dataclass(frozen=True, eq=False)
-class DenseCheck:
+class BoundCheck:
     """Violations of one phase on its dense grid.
 
     Attributes:
@@ -69,7 +69,7 @@ class DenseCheck:
     pieces: list[LocalPiece]
 
 
-def check(trans: Transcription, functions: PointFunctions, x: Array, count: int) -> list[DenseCheck]:
+def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, count: int) -> list[BoundCheck]:
     """All bounds of all phases at ``count`` instants each, on the curves as they will be stored."""
     borders, found = trans.motion.borders, []
     for phase in range(len(trans.motion.phases)):
@@ -79,26 +79,28 @@ def check(trans: Transcription, functions: PointFunctions, x: Array, count: int)
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)))
         table = BoundTable(trans.layout, trans.bounds[phase])
         values = table.values(o, z, trans.share(phase, times))
-        found.append(DenseCheck(times, table.violations(values), values, pieces))
+        found.append(BoundCheck(times, table.violations(values), values, pieces))
     return found
 
 
-def worst_violation(checks: list[DenseCheck]) -> float:
+def worst_violation(checks: list[BoundCheck]) -> float:
     """Largest violation of any bound, as a share of its span."""
     return float(max(item.violations.max() for item in checks))
 
 
-def new_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick], tolerance: float) -> list[Pick]:
-    """The picks with an instant added, or tightened, at every local worst violation above ``tolerance``."""
-    found = list(picks)
+def with_violated(
+    trans: Transcription, checks: list[BoundCheck], imposed: list[ImposedBound], tolerance: float
+) -> list[ImposedBound]:
+    """The imposed bounds with an instant added, or tightened, at every local worst violation above ``tolerance``."""
+    found = list(imposed)
     for phase, bound, k in _peaks(trans, checks, tolerance, 0.0):
         violation, time = float(checks[phase].violations[bound, k]), float(checks[phase].times[k])
         near = _near(trans, found, phase, bound, time)
         if near is None:
-            found.append(Pick(phase, bound, time, _spare(trans, phase, bound, time)))
+            found.append(ImposedBound(phase, bound, time, _spare(trans, phase, bound, time)))
         else:
             old = found[near]
-            found[near] = Pick(phase, bound, old.time, min(old.tighten + 1.2 * violation, _TIGHTEST))
+            found[near] = ImposedBound(phase, bound, old.time, min(old.tighten + 1.2 * violation, _TIGHTEST))
     return found
 
 
@@ -110,18 +112,18 @@ def _spare(trans: Transcription, phase: int, bound: int, time: float) -> float:
     return 0.0 if (item.interior or other) and min(share, 1.0 - share) < _RESTING else _SPARE
 
 
-def close_picks(trans: Transcription, checks: list[DenseCheck], picks: list[Pick]) -> list[Pick]:
-    """The picks with every instant added at which a bound is nearly met, for neighbours in which it may be."""
-    found = list(picks)
+def with_close(trans: Transcription, checks: list[BoundCheck], imposed: list[ImposedBound]) -> list[ImposedBound]:
+    """The imposed bounds with every instant added at which a bound is nearly met, for neighbours in which it may be."""
+    found = list(imposed)
     for phase, bound, k in _peaks(trans, checks, -_CLOSE, _ENDS):
         time = float(checks[phase].times[k])
         if _near(trans, found, phase, bound, time) is None:
-            found.append(Pick(phase, bound, time))
+            found.append(ImposedBound(phase, bound, time))
     return found
 
 
 def _peaks(
-    trans: Transcription, checks: list[DenseCheck], tolerance: float, ends: float
+    trans: Transcription, checks: list[BoundCheck], tolerance: float, ends: float
 ) -> Iterator[tuple[int, int, int]]:
     """Phase, bound and instant of local worst violations, at most four of a bound and phase, the worst first.
 
@@ -139,30 +141,30 @@ def _peaks(
                 yield phase, bound, k
 
 
-def _near(trans: Transcription, picks: list[Pick], phase: int, bound: int, time: float) -> int | None:
-    """Index of the pick of the same bound that is as good as at the same time."""
+def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: int, time: float) -> int | None:
+    """Index of the imposed one of the same bound that is as good as at the same time."""
     within = _SAME * trans.motion.phases[phase].duration
     near = [
-        (abs(pick.time - time), index)
-        for index, pick in enumerate(picks)
-        if pick.bound == bound and pick.phase == phase and abs(pick.time - time) < within
+        (abs(item.time - time), index)
+        for index, item in enumerate(imposed)
+        if item.bound == bound and item.phase == phase and abs(item.time - time) < within
     ]
     return min(near)[1] if near else None
 
 
-def with_times(trans: Transcription, points: Points, picks: list[Pick]) -> Points:
-    """Points with those instants of the picks added that they lack."""
+def with_times(trans: Transcription, points: Points, imposed: list[ImposedBound]) -> Points:
+    """Points with those instants of the imposed bounds added that they lack."""
     have = {(int(p), round(float(t), 9)) for p, t in zip(points.phase, points.time, strict=True)}
     phase, section, time = [], [], []
-    for pick in picks:
-        key = (pick.phase, round(pick.time, 9))
+    for item in imposed:
+        key = (item.phase, round(item.time, 9))
         if key not in have:
             have.add(key)
-            first = trans.first_section[pick.phase]
-            last = first + trans.motion.phases[pick.phase].sections - 1
-            phase.append(pick.phase)
-            section.append(min(max(trans.spline.section_at(pick.time), first), last))
-            time.append(pick.time)
+            first = trans.first_section[item.phase]
+            last = first + trans.motion.phases[item.phase].sections - 1
+            phase.append(item.phase)
+            section.append(min(max(trans.spline.section_at(item.time), first), last))
+            time.append(item.time)
     if not phase:
         return points
     return Points(

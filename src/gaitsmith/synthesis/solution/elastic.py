@@ -1,4 +1,4 @@
-"""The program with bounds that give way at a price: what a request asks for beyond what the robot can do."""
+"""The elastic program, with soft bounds and a penalty on their excess: what a request asks for beyond the robot."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from gaitsmith.synthesis.program.bounds import Kind
 from gaitsmith.synthesis.program.program import Program
 from gaitsmith.synthesis.program.rows import Label
 from gaitsmith.synthesis.solution.ipopt import Progress, solve_ipopt
 
 Array = npt.NDArray[np.float64]
-_PRICES = (("torque", 1.0), ("velocity", 1.0), ("angle", 3.0), ("ZMP", 3.0), ("normal force", 3.0))
-_JOINT = ("torque", "velocity", "angle")
-_DEAR = 10.0  # of what is asked for, rather than what the robot can do
+_PENALTIES = {Kind.TORQUE: 1.0, Kind.VELOCITY: 1.0, Kind.ANGLE: 3.0, Kind.ZMP: 3.0, Kind.NORMAL_FORCE: 3.0}
+_OTHERS = 10.0  # penalty of what is asked for, rather than what the robot can do
+_JOINT = (Kind.TORQUE, Kind.VELOCITY, Kind.ANGLE)
 _COST = 1e-4  # share of the objective that is kept, so that the least motion is chosen
 _TOLERANCE = 1e-4
 _ITERATIONS = 200
@@ -25,7 +26,7 @@ _NOTHING = 1e-4  # of a range
 
 @dataclass(frozen=True)
 class Excess:
-    """A bound that has to give way, where it does so most.
+    """A bound that has to be exceeded, where it is exceeded most.
 
     Attributes:
         label: of the row: name, unit, phase, time.
@@ -41,13 +42,13 @@ class Excess:
 
 
 @dataclass(frozen=True, eq=False)
-class Relaxed:
-    """The least that has to give way.
+class Elastic:
+    """The least excess with which a request can be met.
 
     Attributes:
-        solved: whether all equalities hold, with or without bounds giving way.
+        solved: whether all equalities hold, with or without bounds exceeded.
         x: unknowns.
-        excesses: the bounds that give way, the joints' own first, the worst first; none if the request can be met.
+        excesses: the bounds exceeded, the joints' own first, the worst first; none if the request can be met.
         unmet: the equality that holds least; None where all hold.
     """
 
@@ -57,9 +58,9 @@ class Relaxed:
     unmet: Excess | None = None
 
 
-def relaxed(
+def solve_elastic(
     program: Program, start: Array, time_limit: float, report: Callable[[Progress], None] | None = None
-) -> Relaxed:
+) -> Elastic:
     """Solve a program whose bounds may be exceeded; equalities hold.
 
     All rows of one name share one unknown, the share of the range by which they may be exceeded.
@@ -70,7 +71,7 @@ def relaxed(
         time_limit: s.
         report: called at every iteration.
     """
-    soft = _softened(program)
+    soft = _elastic(program)
     _, o = program.evaluate(start)
     gaps = program.violation(program.constraint(start, o))
     begin = np.concatenate([start, np.zeros(soft.size - program.size)])
@@ -82,7 +83,7 @@ def relaxed(
     _, o = program.evaluate(x)
     values = program.constraint(x, o)
     if not np.isfinite(values).all():
-        return Relaxed(False, start, [])
+        return Elastic(False, start, [])
     gaps = program.violation(values)
     worst: dict[str, int] = {}
     for row, label in enumerate(program.labels):
@@ -90,12 +91,12 @@ def relaxed(
             worst[label.name] = row
     excesses = []
     # What the joints lack comes first: a ZMP out of place is often its consequence.
-    for row in sorted(worst.values(), key=lambda row: (not program.labels[row].name.endswith(_JOINT), -gaps[row])):
+    for row in sorted(worst.values(), key=lambda row: (program.labels[row].kind not in _JOINT, -gaps[row])):
         excesses.append(_excess(program, row, values, gaps))
     unequal = program.high > program.low
     row = int(np.argmax(np.where(unequal, 0.0, gaps)))
     unmet = None if unequal[row] or gaps[row] < _NOTHING else _excess(program, row, values, gaps)
-    return Relaxed(found.solved, x, excesses, unmet)
+    return Elastic(found.solved, x, excesses, unmet)
 
 
 def _excess(program: Program, row: int, values: Array, gaps: Array) -> Excess:
@@ -113,18 +114,17 @@ def _columns(program: Program) -> list[int]:
     ]
 
 
-def _prices(program: Program, columns: npt.NDArray[np.int64], extra: int) -> Array:
-    """What giving way by a whole range costs: what the robot lacks shall be named, not what was asked of it."""
-    found = np.full(extra, _DEAR)
+def _penalties(program: Program, columns: npt.NDArray[np.int64], extra: int) -> Array:
+    """Penalty on an excess of a whole range: what the robot lacks shall be named, not what was asked of it."""
+    found = np.zeros(extra)
     for label, column in zip(program.labels, columns.tolist(), strict=True):
-        for word, price in _PRICES:
-            if column >= 0 and word in label.name:
-                found[column] = price
+        if column >= 0 and label.kind is not None:
+            found[column] = _PENALTIES.get(label.kind, _OTHERS)
     return found
 
 
-def _softened(program: Program) -> Program:
-    """The program with one more unknown for every name of a bound: two-sided rows are split, prices are added."""
+def _elastic(program: Program) -> Program:
+    """The program with one more unknown for every name of a bound: two-sided rows are split, penalties are added."""
     columns = np.array(_columns(program))
     extra = int(columns.max(initial=-1)) + 1
     equal = np.flatnonzero(columns < 0)
@@ -149,5 +149,5 @@ def _softened(program: Program) -> Program:
         low=low,
         high=high,
         labels=labels,
-        price=np.concatenate([np.zeros(program.size), _prices(program, columns, extra)]),
+        price=np.concatenate([np.zeros(program.size), _penalties(program, columns, extra)]),
     )

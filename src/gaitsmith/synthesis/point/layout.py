@@ -1,0 +1,45 @@
+"""Which number stands where in the inputs and outputs of one point of a gait.
+
+Everything is in the frame of the support sole (x forward, z up, the sole standing flat). For a left support foot the
+frame is mirrored (y to the right), so that the swing foot always lies at positive y.
+"""
+
+from __future__ import annotations
+
+
+class PointLayout:
+    """Indices for a robot of n joints; of a vector its first entry.
+
+    Attributes:
+        joints: n.
+        inputs, outputs: how many numbers there are.
+        position, velocity, acceleration: inputs: joint angles (n), rad, rad/s, rad/s².
+        wrench: inputs: u on the other foot: force (3), N, then moment about the pivot (3), N·m.
+        torque: of the joints (n), N·m.
+        force: on the support sole (3), N; its moment follows.
+        moment: on the support sole about its origin (3), N·m.
+        pivot, pivot_velocity, pivot_acceleration: of the other foot's pivot (3), m, m/s, m/s².
+        foot_forward, foot_yaw, foot_pitch, foot_roll: entries (0, 0), (1, 0), minus (2, 0), (2, 1) of the other sole's
+            rotation; the sine of its pitch is positive with the toe down.
+        foot_omega, foot_alpha: angular velocity and acceleration of the other foot (3), rad/s, rad/s².
+        hip_height: of the hips' midpoint, m.
+        torso_yaw, torso_pitch, torso_roll: entries (1, 0), minus (2, 0), (2, 1) of the torso's rotation; the pitch is
+            positive when it leans forward.
+        ankle, ankle_velocity: of the other ankle (3), m, m/s.
+        twist: vertical moment about the centre of pressure times the normal force, over the weight, N·m; of the support
+            sole, then of the other.
+        load: square of the normal force over the weight, N; on the support sole, then on the other.
+    """
+
+    def __init__(self, joints: int) -> None:
+        self.joints = n = joints
+        self.position, self.velocity, self.acceleration, self.wrench = 0, n, 2 * n, 3 * n
+        self.inputs = 3 * n + 6
+        self.torque, self.force, self.moment = 0, n, n + 3
+        self.pivot, self.foot_yaw, self.foot_pitch, self.foot_roll = n + 6, n + 9, n + 10, n + 11
+        self.pivot_velocity, self.foot_omega = n + 12, n + 15
+        self.pivot_acceleration, self.foot_alpha = n + 18, n + 21
+        self.hip_height, self.torso_yaw, self.torso_pitch, self.torso_roll = n + 24, n + 25, n + 26, n + 27
+        self.ankle, self.ankle_velocity, self.foot_forward = n + 28, n + 31, n + 34
+        self.twist, self.load = n + 35, n + 37
+        self.outputs = n + 39

@@ -1,0 +1,39 @@
+"""The planner's view of a robot: what can be planned for, the mirror image, and standing still."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots import load_robot
+from gaitsmith.synthesis.motions.biped import biped_from, standing
+
+PLACED = 1e-8  # m
+
+
+def test_robots_that_cannot_be_planned_for_are_refused(robot):
+    with pytest.raises(BadInput, match="six joints"):
+        biped_from(load_robot("bhr_b2"))
+    seven = replace(robot.legs[0], joints=(*robot.legs[0].joints, "toe"))
+    with pytest.raises(BadInput, match=r"7 joints.*six joints"):
+        biped_from(replace(robot, legs=(seven, robot.legs[1])))
+
+
+def test_mirror_is_an_involution(planner):
+    values = np.random.default_rng(0).normal(size=planner.biped.joints)
+    assert np.array_equal(planner.biped.mirrored(planner.biped.mirrored(values)), values)
+
+
+def test_standing_still_the_weight_is_over_the_middle_of_the_soles(planner):
+    biped, height = planner.biped, planner.biped.height - 0.03
+    data = mujoco.MjData(biped.model)
+    data.qpos[:7] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    data.qpos[7:] = standing(biped, height)
+    mujoco.mj_fwdPosition(biped.model, data)
+    for leg in biped.robot.legs:
+        sole = data.site(leg.sole_site)
+        assert np.abs(sole.xmat.reshape(3, 3) - np.eye(3)).max() < PLACED
+        assert abs(biped.robot.hip_midpoint[2] - sole.xpos[2] - height) < PLACED
+        assert abs(data.subtree_com[0, 0] - sole.xpos[0] - (leg.sole.toe - leg.sole.heel) / 2.0) < PLACED
