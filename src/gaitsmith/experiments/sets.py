@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
+from gaitsmith.documents import checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.limits import QUANTITIES, Limit
 from gaitsmith.experiments.push_grid import PushGrid
-from gaitsmith.files import read_bounded
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
-_MAX_BYTES = 1_000_000
 _ROOT, _LENGTH, _RATE = 0.5, 1.0, -0.5
 _POWERS = {
     **dict.fromkeys(("duration", "rest_before", "rest_after", "time", "period"), _ROOT),
@@ -187,11 +185,7 @@ def leg_length(robot: Robot) -> float:
 def _read(name: str) -> _Document:
     """A set's document, with what it extends."""
     try:
-        return _Document.model_validate(_plain(name))
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        raise BadInput(f"{name}: {where}", first["input"], first["msg"].lower()) from None
+        return checked(_Document, _plain(name), name)
     except (AttributeError, TypeError) as error:
         raise BadInput(f"{name}: trials", str(error), "tables") from None
 
@@ -210,14 +204,13 @@ def _plain(name: str) -> dict[str, Any]:
 
 def _data(name: str) -> dict[str, Any]:
     """A set's file as plain data."""
-    shipped = resources.files(__package__).joinpath("sets", f"{name}.toml")
+    if name in set_names():
+        shipped = resources.files(__package__).joinpath("sets", f"{name}.toml")
+        return parse_toml(shipped.read_bytes(), name, "a set")
     try:
-        content = shipped.read_bytes() if name in set_names() else read_bounded(name, _MAX_BYTES)
-        return tomllib.loads(content.decode("utf-8"))
+        return read_toml(Path(name), "a set of trials")[0]
     except BadInput as error:
         raise BadInput("--set", name, f"{error.valid}, or one of {', '.join(set_names())}", error.remedy) from None
-    except (ValueError, RecursionError) as error:
-        raise BadInput("--set", name, f"a TOML document in UTF-8: {error}") from None
 
 
 def _merged(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
