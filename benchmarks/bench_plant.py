@@ -9,9 +9,7 @@ import argparse
 import json
 import math
 import os
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -22,9 +20,7 @@ import numpy as np
 
 from gaitsmith.estimation.measurement import make_measurement
 from gaitsmith.kinematics.posture import standing_posture
-from gaitsmith.log import read_log
 from gaitsmith.robots import load_robot
-from gaitsmith.simulation import Scenario, Simulation
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import parse_terrain
@@ -80,44 +76,18 @@ def _case(options: dict[str, Any], ticks: int) -> dict[str, float]:
     return {"tick": tick - base, "mujoco": physics - base, "overhead": tick - physics}
 
 
-def time_loop(seconds: float) -> dict[str, float]:
-    """The closed loop with its controller and log, and the log's file."""
-    episode = Simulation(Scenario(duration=seconds, speed=(0.3, 0.0))).run()
-    summary = episode.summary
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.mcap"
-        began = perf_counter()
-        episode.log.write(path)
-        written = perf_counter()
-        read_log(path)
-        return {
-            "simulated": summary.duration,
-            "realtime_factor": summary.realtime_factor,
-            "loop_us": 1000.0 / summary.realtime_factor,
-            "controller_tick_us": summary.tick_us.median,
-            "log_write_s": written - began,
-            "log_read_s": perf_counter() - written,
-            "log_mb": path.stat().st_size / 1e6,
-        }
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
     parser.add_argument("--ticks", type=int, default=10_000, help="control ticks per case")
-    parser.add_argument("--seconds", type=float, default=20.0, help="simulated time of the closed loop")
     options = parser.parse_args()
     plant = {name: _case(case, options.ticks) for name, case in CASES.items()}
-    loop = time_loop(options.seconds)
     if options.json:
-        print(json.dumps({"plant_us": plant, "loop": loop}))
+        print(json.dumps({"plant_us": plant}))
         return
     print(f"{'one control tick of the plant, µs':34} {'tick':>8} {'mujoco':>8} {'overhead':>9}")
     for name, row in plant.items():
         print(f"{name:34} {row['tick']:8.1f} {row['mujoco']:8.1f} {row['overhead']:9.1f}")
-    print()
-    for name, value in loop.items():
-        print(f"{name:34} {value:8.2f}")
 
 
 if __name__ == "__main__":

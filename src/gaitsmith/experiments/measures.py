@@ -40,7 +40,9 @@ def _later(summary: dict[str, Any]) -> dict[str, float]:
     found = {}
     stages = summary["stages"]
     if stages and "heading_drift_deg" in stages[0]:
-        found["heading"] = max(abs(stage["heading_drift_deg"]) for stage in stages)
+        turned = any(stage["command"]["yaw_rate"] for stage in stages)
+        drifts = [stage["heading_drift_deg"] for stage in stages] if turned else summary["heading_deg"]
+        found["heading"] = max(map(abs, drifts))
         walking = [abs(stage["yaw_rate_error"]) for stage in stages if not stage["rest"]]
         if walking:
             found["yaw_rate_error"] = max(walking)
