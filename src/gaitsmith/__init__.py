@@ -10,8 +10,9 @@ Names load on first use, so that ``import gaitsmith`` costs nothing::
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from gaitsmith.lazy import lazily
 
 if TYPE_CHECKING:
     from gaitsmith.control import Controller as Controller
@@ -28,31 +29,12 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Controller": "gaitsmith.control",
-    "Episode": "gaitsmith.simulation",
-    "Plant": "gaitsmith.simulation",
-    "Robot": "gaitsmith.robots",
-    "Scenario": "gaitsmith.simulation",
-    "Simulation": "gaitsmith.simulation",
-    "load_robot": "gaitsmith.robots",
-    "load_scenario": "gaitsmith.simulation",
-    "read_log": "gaitsmith.log",
-    "robot_names": "gaitsmith.robots",
-    "run_episode": "gaitsmith.simulation",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import the module that defines a public name when the name is first used."""
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'gaitsmith' has no attribute {name!r}")
-    value = getattr(import_module(home), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """Public names, loaded or not."""
-    return sorted([*_HOMES, "__version__"])
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "control": "Controller",
+        "log": "read_log",
+        "robots": "Robot load_robot robot_names",
+        "simulation": "Episode Plant Scenario Simulation load_scenario run_episode",
+    },
+)

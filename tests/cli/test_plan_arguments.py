@@ -113,7 +113,7 @@ def test_help_shows_the_real_defaults(capsys: pytest.CaptureFixture[str]) -> Non
     assert "scenario" not in shown
     bounds = Settings().bounds
     for part in (
-        f"(default: {bounds.friction:g}, for a kick {KICK_FRICTION:g}, from 0.05 to 2)",
+        f"(default: {bounds.friction:g}, for a kick {KICK_FRICTION:g}, above 0 up to 5)",
         f"(default: {bounds.zmp_margin:g}, from 0 to 1)",
         f"(default: {StepParameters.height:g}, from 0.005 to 0.3)",
         f"(default: {StepParameters.double_support:g}, from 0.05 to 0.8)",

@@ -234,7 +234,7 @@ def test_random_flags_are_a_scenario_or_one_line(pairs: list[tuple[str, str]]) -
 NUMBERS = st.none() | st.floats(allow_nan=False, allow_infinity=False) | st.floats(0.0, 20.0)
 
 
-@settings(max_examples=2000)
+@settings(max_examples=500)
 @given(
     numbers=st.fixed_dictionaries({}, optional=dict.fromkeys(NUMERIC, NUMBERS)),
     push=st.lists(VALUES, max_size=2),
@@ -243,9 +243,10 @@ NUMBERS = st.none() | st.floats(allow_nan=False, allow_infinity=False) | st.floa
 def test_random_values_are_a_scenario_or_one_line(
     numbers: dict[str, float | None], push: list[str], terrain: str | None
 ) -> None:
-    arguments = WalkArguments(push=tuple(push), terrain=terrain, **numbers)  # type: ignore[arg-type]
+    words = [f"--{name.replace('_', '-')}={value!r}" for name, value in numbers.items() if value is not None]
+    words += [f"--push={word}" for word in push] + ([] if terrain is None else [f"--terrain={terrain}"])
     try:
-        scenario = scenario_from(arguments)
+        scenario = scenario_of(*words)
     except BadInput as error:
         assert len(str(error).splitlines()) == 1
         assert error.field.startswith("--")

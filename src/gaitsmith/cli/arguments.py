@@ -1,184 +1,305 @@
-"""Command lines read into frozen dataclasses: the only file that knows tyro.
+"""Command lines generated from models: every field that says what it is, is an option, and its range the rule.
 
-Whatever is wrong with a command line ends in one :class:`~gaitsmith.errors.BadInput`, never in tyro's own report.
+Whatever is wrong with a command line ends in one :class:`~gaitsmith.errors.BadInput`.
 """
 
 from __future__ import annotations
 
 import difflib
+import inspect
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import fields
-from typing import Any, NoReturn, TypeVar, cast
+import re
+import shutil
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-import tyro
-from tyro import _errors as events  # the only way to get at what was wrong; the lock pins the version
-from tyro.conf import Positional as Positional
-from tyro.conf import UseAppendAction as Repeatable
-from tyro.constructors import PrimitiveConstructorSpec
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
+from gaitsmith.documents import About, about, checked, plain, span
 from gaitsmith.errors import BadInput
 
-__all__ = ["Positional", "Repeatable", "choice", "integer", "number", "numbers", "parse", "text"]
-
-_Arguments = TypeVar("_Arguments")
-_Spec = PrimitiveConstructorSpec[Any]
-
-
-Absent = str | Callable[[], object]
-"""What the help calls a default of None: a word, or a function asked only when help is shown."""
+_NUMBER = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+_COLUMN = 26  # of the help, where meanings begin
+_Model = TypeVar("_Model", bound="Arguments")
 
 
-def _spec(
-    read: Callable[[list[str]], Any],
-    metavar: str,
-    count: int | tuple[int, ...] = 1,
-    absent: Absent = "scenario",
-    span: tuple[float, float] | None = None,
-) -> _Spec:
-    """How tyro reads one option; ``read`` gets the words given, ``span`` is the valid range that the help shows."""
-
-    def shown(value: Any) -> list[str]:
-        if value is None:
-            value = absent() if callable(absent) else absent
-        text = f"{value:g}" if isinstance(value, float) else str(value)
-        return (text + (f", from {span[0]:g} to {span[1]:g}" if span else "")).split()
-
-    return PrimitiveConstructorSpec(
-        nargs=count, metavar=metavar, instance_from_str=read, is_instance=lambda _: True, str_from_instance=shown
-    )
+@dataclass(frozen=True)
+class Positional(About):
+    """The argument that takes the one word without an option before it."""
 
 
-def number(flag: str, metavar: str, absent: Absent = "scenario", span: tuple[float, float] | None = None) -> _Spec:
-    """An option that takes one finite number, within ``span`` if given."""
+class Arguments(BaseModel):
+    """Base of what commands take; the docstring of a command's own class is the head of its help."""
 
-    def read(words: list[str]) -> float:
-        value = _finite(flag, words[0], f"a number ({metavar})")
-        if span is not None and not span[0] <= value <= span[1]:
-            raise BadInput(flag, value, f"{span[0]:g} to {span[1]:g}")
-        return value
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    return _spec(read, metavar, absent=absent, span=span)
+    json_: Annotated[bool, About("Print one JSON document instead of text", flag="--json")] = False
 
 
-def numbers(flag: str, metavar: str, counts: tuple[int, ...], remedy: str) -> _Spec:
-    """An option that takes a few finite numbers, as many as one of ``counts``."""
+RobotName = Annotated[str, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH")]
+OwnRobot = Annotated[
+    str | None,
+    About("The robot it was planned for, if not one of the package", metavar="NAME_OR_PATH", absent="the one it names"),
+]
+GaitFile = Annotated[str, Positional("Gait file", metavar="GAIT")]
+Preset = Annotated[str, About("Control parameters of the card", metavar="NAME")]
+Jobs = Annotated[int, Field(ge=1, le=256), About("Processes", metavar="N")]
 
-    def read(words: list[str]) -> tuple[float, ...]:
-        if len(words) not in counts:
-            raise BadInput(flag, " ".join(words), f"{' or '.join(map(str, counts))} numbers ({metavar})", remedy)
-        return tuple(_finite(flag, word, f"numbers ({metavar})", remedy) for word in words)
 
-    return _spec(read, metavar, counts)
+def overriding(
+    own: type[_Model], model: type[BaseModel], absent: str, defaults: Mapping[str, Any] | None = None
+) -> type[_Model]:
+    """A command's own arguments, and every described field of a model as an option that may be left out.
+
+    Args:
+        own: the command's own.
+        model: what the options override.
+        absent: what the help calls a value that the model has no default for.
+        defaults: what the help shows instead of the model's own defaults.
+    """
+    fields: dict[str, Any] = {}
+    for name, field in model.model_fields.items():
+        described = about(field)
+        if described is not None:
+            shown = _shown((defaults or {}).get(name, field.default))
+            entry = replace(described, absent=described.absent or shown or absent)
+            rules = [rule for rule in field.metadata if rule is not described]
+            kind: Any = Annotated[(field.annotation, *rules)] if rules else field.annotation
+            fields[name] = (Annotated[kind | None, entry], None)
+    combined: type[_Model] = create_model(own.__name__, __base__=own, __doc__=own.__doc__, **fields)
+    return combined
 
 
-def integer(flag: str, metavar: str, least: int, most: int | None = None, absent: Absent = "scenario") -> _Spec:
-    """An option that takes one whole number, from ``least`` to ``most``."""
-    valid = f"a whole number from {least}" + (f" to {most}" if most is not None else "") + f" ({metavar})"
+@dataclass(frozen=True)
+class _Option:
+    """One field as the command line sees it; `least` to `most` words, or none for a switch."""
 
-    def read(words: list[str]) -> int:
+    name: str
+    word: str
+    about: About
+    kind: Any
+    least: int
+    most: int
+    repeats: bool
+    default: Any
+    range: str
+
+    @property
+    def usage(self) -> str:
+        """What stands for the values."""
+        if get_origin(self.kind) is Literal:
+            return "{" + ",".join(map(str, get_args(self.kind))) + "}"
+        return self.about.metavar
+
+    def value(self, words: list[str], first: str) -> Any:
+        """What the words after an option say."""
+        if not self.least <= len(words) <= self.most:
+            if self.most == 1:
+                raise BadInput(self.word, "nothing", f"a value ({self.usage})", self.about.meaning)
+            count = " or ".join(map(str, range(self.least, self.most + 1)))
+            raise BadInput(self.word, " ".join(words), f"{count} numbers ({self.usage})", self._remedy(first))
+        found = [self._one(word, first) for word in words]
+        return found + [0.0] * (self.most - len(found)) if self.most > 1 else found[0]
+
+    def _remedy(self, first: str) -> str:
+        return f"name the {first} before the options" if first and self.most > 1 else ""
+
+    def _one(self, word: str, first: str) -> Any:
+        if get_origin(self.kind) is Literal:
+            found = next((item for item in get_args(self.kind) if str(item) == word), None)
+            if found is None:
+                choices = [str(item) for item in get_args(self.kind)]
+                raise BadInput(self.word, word, f"one of {', '.join(choices)}", _nearest(word, choices))
+            return found
+        if self.kind is str:
+            if not word.strip() or "\0" in word:
+                raise BadInput(self.word, word, f"{self.usage}, a word that is not empty")
+            return word
+        if self.kind is int:
+            if not re.fullmatch(r"[+-]?\d{1,40}", word, re.ASCII):
+                raise BadInput(self.word, word, f"a whole number{self.range} ({self.usage})")
+            return int(word)
+        if self.kind is float:
+            return self._number(word, f"a finite number{self.range} ({self.usage})", self._remedy(first))
+        return self._compact(word)
+
+    def _number(self, word: str, valid: str, remedy: str) -> float:
         try:
-            value = int(words[0])
+            value = float(word)
         except ValueError:
-            raise BadInput(flag, words[0], valid) from None
-        if value < least or (most is not None and value > most):
-            raise BadInput(flag, words[0], valid)
+            value = math.nan
+        if not math.isfinite(value):
+            raise BadInput(self.word, word, valid, remedy)
         return value
 
-    return _spec(read, metavar, absent=absent, span=None if most is None else (least, most))
+    def _compact(self, word: str) -> dict[str, Any]:
+        """A table whose required entries are numbers, written with commas."""
+        sizes = {
+            name: len(get_args(field.annotation)) if get_origin(field.annotation) is tuple else 0
+            for name, field in self.kind.model_fields.items()
+            if field.is_required()
+        }
+        count = sum(max(size, 1) for size in sizes.values())
+        example = ",".join(str(k + 1) for k in range(count))
+        valid, remedy = f"{count} finite numbers ({self.usage})", f"for example {self.word} {example}"
+        numbers = [self._number(part, valid, remedy) for part in word.split(",")]
+        if len(numbers) != count:
+            raise BadInput(self.word, word, valid, remedy)
+        found: dict[str, Any] = {}
+        for name, size in sizes.items():
+            found[name], numbers = numbers[:size] if size else numbers[0], numbers[max(size, 1) :]
+        return found
 
 
-def text(flag: str, metavar: str, absent: Absent = "scenario") -> _Spec:
-    """An option that takes one word, which may not be empty."""
+def _options(kind: type[BaseModel]) -> list[_Option]:
+    """Options in the order of the fields, inherited ones after the class's own; ``--json`` comes last."""
+    found = []
+    for name, field in kind.model_fields.items():
+        described = about(field)
+        if described is None:
+            continue
+        value, limits = plain(field.annotation)
+        inside = get_args(value) if get_origin(value) is tuple else ()
+        repeats = inside[-1:] == (Ellipsis,)
+        if inside:
+            value = plain(inside[0])[0]
+        metavar = described.metavar.split()
+        most = 0 if value is bool else 1 if repeats or not inside else len(inside)
+        least = most if len(metavar) < 2 else sum("[" not in part for part in metavar)
+        word = described.metavar if isinstance(described, Positional) else described.flag or flag(name)
+        shown = span((*field.metadata, *limits))
+        default = ... if field.is_required() else field.default
+        found.append(_Option(name, word, described, value, least, most, repeats, default, shown))
+    own = inspect.get_annotations(kind)
+    return sorted(found, key=lambda option: (option.name == "json_", option.name not in own))
 
-    def read(words: list[str]) -> str:
-        if not words[0].strip() or "\0" in words[0]:
-            raise BadInput(flag, words[0], f"{metavar}, a word that is not empty")
-        return words[0]
 
-    return _spec(read, metavar, absent=absent)
-
-
-def choice(flag: str, choices: Sequence[str], absent: Absent = "scenario") -> _Spec:
-    """An option that takes one of a few words."""
-
-    def read(words: list[str]) -> str:
-        if words[0] not in choices:
-            raise BadInput(flag, words[0], f"one of {', '.join(choices)}", _nearest(words[0], choices))
-        return words[0]
-
-    return _spec(read, "{" + ",".join(choices) + "}", absent=absent)
-
-
-def parse(kind: type[_Arguments], words: Sequence[str], program: str) -> _Arguments:
+def parse(kind: type[_Model], words: Sequence[str], program: str) -> _Model:
     """Read a command line.
 
     Args:
-        kind: frozen dataclass with a default for every field; its docstrings are the help.
+        kind: the command's arguments; its docstring and its fields' descriptions are the help.
         words: the command line after the command's name.
         program: the command's full name, for messages.
 
     Raises:
-        BadInput: an unknown option, a missing value, a value of the wrong kind.
+        BadInput: an unknown option, a missing value, a value of the wrong kind or out of range.
         SystemExit: after printing help, code 0.
     """
+    options = _options(kind)
     if {"-h", "--help"} & set(words):
-        words = ["--help"]  # what is given already would be missing from the usage
-    switches = [_flag(field.name) for field in fields(cast(Any, kind)) if field.type in ("bool", bool)]
-    for word in words:
-        switch, equals, value = word.partition("=")
-        if equals and switch in switches:
-            raise BadInput(switch, value, "no value", f"write {switch} alone")
-
-    def refuse(event: events.ParseErrorEvent) -> None:
-        _refuse(event, kind, program)
-
-    with events.on_parse_error(refuse):
-        try:
-            return tyro.cli(
-                kind, prog=program, args=list(words), console_outputs=True, config=(tyro.conf.FlagCreatePairsOff,)
-            )
-        except SystemExit as end:
-            if end.code in (0, None):
-                raise
-            raise BadInput(program, " ".join(words), "a valid command line", f"see {program} --help") from None
+        print(_help(kind, options, program))  # noqa: T201
+        raise SystemExit(0)
+    values: dict[str, Any] = {}
+    for option, value in _read(options, words, program):
+        if option.repeats:
+            values.setdefault(option.name, []).append(value)
+        else:
+            values[option.name] = value
+    for option in options:
+        if isinstance(option.about, Positional) and option.name not in values and option.default is ...:
+            raise BadInput(option.word, "nothing", f"a value ({option.about.meaning})", f"see {program} --help")
+    try:
+        return checked(kind, values)
+    except BadInput as error:
+        raise as_flag(error, kind) from None
 
 
-def _refuse(event: events.ParseErrorEvent, kind: type[Any], program: str) -> NoReturn:
-    """Turn tyro's report of a bad command line into our own."""
-    remedy = f"see {program} --help"
-    if isinstance(event, events.UnrecognizedArgs):
-        word = event.tokens[0].partition("=")[0] if event.tokens[0].startswith("-") else event.tokens[0]
-        flags = [_flag(field.name) for field in fields(kind)]
-        if word.startswith("-"):
-            raise BadInput("option", word, f"an option of {program}", _nearest(word, flags) or remedy)
-        raise BadInput("argument", word, "nothing more on this command line", remedy)
-    if isinstance(event, events.BadValue):
-        flag = event.argument.lowered.name_or_flags[-1]
-        found = "nothing" if event.offending_value is None else event.offending_value
-        raise BadInput(flag, found, f"a value ({event.argument.lowered.metavar})", remedy)
-    if isinstance(event, events.MissingArgs):
-        missing = event.missing_arguments[0].arg
-        name = missing.lowered.name_or_flags[-1] if missing.lowered.name_or_flags else missing.field.intern_name
-        raise BadInput(name, "nothing", missing.lowered.metavar or "a value", remedy)
-    raise BadInput(program, type(event).__name__, "a valid command line", remedy)
+def _read(options: list[_Option], words: Sequence[str], program: str) -> Iterator[tuple[_Option, Any]]:
+    """Options and their values, in the order given."""
+    flags = {option.word: option for option in options if not isinstance(option.about, Positional)}
+    place = next((option for option in options if isinstance(option.about, Positional)), None)
+    first = place.word if place else ""
+    rest, ended, taken = list(words), False, False
+    while rest:
+        word = rest.pop(0)
+        if word == "--" and not ended:
+            ended = True
+        elif not ended and _is_option(word):
+            name, equals, value = word.partition("=")
+            option = flags.get(name)
+            if option is None:
+                raise BadInput(
+                    "option", name, f"an option of {program}", _nearest(name, flags) or f"see {program} --help"
+                )
+            given = [value] if equals else []
+            if not option.most:
+                if equals:
+                    raise BadInput(name, value, "no value", f"write {name} alone")
+                yield option, True
+                continue
+            while not equals and rest and not _is_option(rest[0]) and rest[0] != "--":
+                if option.most == 1 and given:
+                    break
+                given.append(rest.pop(0))
+            yield option, option.value(given, first)
+        elif place is None or taken:
+            raise BadInput("argument", word, "nothing more on this command line", f"see {program} --help")
+        else:
+            taken = True
+            yield place, place.value([word], first)
 
 
-def _flag(name: str) -> str:
+def _is_option(word: str) -> bool:
+    return len(word) > 1 and word[0] == "-" and not _NUMBER.match(word)
+
+
+def flag(name: str) -> str:
+    """The option of a field."""
     return "--" + name.replace("_", "-")
 
 
-def _finite(flag: str, word: str, valid: str, remedy: str = "") -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        raise BadInput(flag, word, valid, remedy) from None
-    if not math.isfinite(value):
-        raise BadInput(flag, word, f"{valid}, finite", remedy)
-    return value
+def as_flag(error: BadInput, kind: type[BaseModel], given: Sequence[str] | None = None) -> BadInput:
+    """The error with its field named as the user wrote it, if that was an option.
+
+    Args:
+        error: its field is one of a model's, such as ``pushes[0].time``.
+        kind: the command's arguments.
+        given: names of the fields that options gave; None takes all.
+    """
+    name, _, rest = re.match(r"(\w*)(\[\d+\])?\.?(.*)", error.field, re.DOTALL).groups()  # type: ignore[union-attr]
+    words = {option.name: option.word for option in _options(kind)}
+    if name not in words or ": " in error.field or (given is not None and name not in given):
+        return error
+    return error.named(f"{words[name]} {rest}".strip())
 
 
-def _nearest(word: str, choices: Sequence[str]) -> str:
+def _shown(value: Any) -> str:
+    if isinstance(value, list):
+        return " ".join(map(_shown, value))
+    if isinstance(value, float):
+        return f"{value:g}"
+    return str(value) if isinstance(value, (str, int)) and not isinstance(value, bool) else ""
+
+
+def _help(kind: type[BaseModel], options: list[_Option], program: str) -> str:
+    """Usage, the head, and a line or more for every option."""
+    width = max(60, min(shutil.get_terminal_size().columns, 100))
+    rows: dict[bool, list[str]] = {True: [], False: []}
+    for option in options:
+        positional = isinstance(option.about, Positional)
+        term = (f"[{option.word}]" if option.default is not ... else option.word) if positional else option.word
+        term = term if positional else f"{term} {option.usage}".strip()
+        told = f"{option.about.meaning}{f', {option.about.unit}' if option.about.unit else ''}."
+        absent = option.about.absent() if callable(option.about.absent) else option.about.absent
+        default = absent if option.default is None else _shown(option.default)
+        details = [f"default: {default}{option.range.replace(' ', ', ', 1)}"] if default and not option.repeats else []
+        details += ["repeatable"] if option.repeats else []
+        told += "".join(f" ({detail})" for detail in details)
+        lines = textwrap.wrap(told, width - _COLUMN)
+        lead = f"  {term}"
+        rows[positional] += [lead] if len(lead) > _COLUMN - 2 else [f"{lead:<{_COLUMN}}{lines.pop(0)}"]
+        rows[positional] += [" " * _COLUMN + line for line in lines]
+    rows[False].insert(0, f"{'  -h, --help':<{_COLUMN}}Show this and exit.")
+    place = next((f" {row.split()[0]}" for row in rows[True]), "")
+    head = f"usage: {program} [OPTIONS]{place}\n\n{inspect.cleandoc(kind.__doc__ or '')}\n"
+    arguments = "\narguments:\n" + "\n".join(rows[True]) + "\n" if rows[True] else ""
+    return f"{head}{arguments}\noptions:\n" + "\n".join(rows[False])
+
+
+def _nearest(word: str, choices: Sequence[str] | dict[str, Any]) -> str:
     """A hint at what may have been meant."""
-    close = difflib.get_close_matches(word, choices, n=1)
+    close = difflib.get_close_matches(word[:100], list(choices), n=1)
     return f"did you mean {close[0]}?" if close else ""

@@ -3,91 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
-from gaitsmith.cli.arguments import Repeatable, integer, number, numbers, parse, text
+from pydantic import Field
+
+from gaitsmith.cli.arguments import Arguments, Jobs, Preset, RobotName, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome
+from gaitsmith.documents import About
 from gaitsmith.files import uninterrupted
 
+_Set = Annotated[str, About("Set of trials and grids of the package, or a TOML file", metavar="NAME_OR_FILE")]
+_Robot = Annotated[
+    str | None, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH", absent="the set's")
+]
+_Gait = Annotated[str | None, About("A planned gait to walk", metavar="FILE", absent="the template")]
+_Folder = Annotated[str, About("Folder of results; runs found there are not repeated", metavar="DIR")]
 
-@dataclass(frozen=True)
-class TickArguments:
+
+class TickArguments(Arguments):
     """Measure one control tick: template, inverse kinematics, whole-body QP and joint torques."""
 
-    robot: Annotated[str, text("--robot", "NAME_OR_PATH")] = "bhr_b2"
-    """A robot of the package, or the path of a card."""
-    preset: Annotated[str, text("--preset", "NAME")] = "default"
-    """Control parameters of the card."""
-    duration: Annotated[float, number("--duration", "S")] = 20.0
-    """Simulated time that is measured, s."""
-    json: bool = False
-    """Print one JSON document instead of a table."""
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    duration: Annotated[float, About("Simulated time that is measured", "s", "S")] = 20.0
 
 
-@dataclass(frozen=True)
-class PushArguments:
+class PushArguments(Arguments):
     """Push the walking robot in every direction at every phase of the stride.
 
     Without a walk or an impulse of its own it runs the grids of a set; with one of them it runs that single grid.
     """
 
-    set: Annotated[str, text("--set", "NAME_OR_FILE")] = "walks"
-    """Set of trials and grids: walks, courses, planned, or a TOML file."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the set's")] = None
-    """A robot of the package, or the path of a card."""
-    preset: Annotated[str, text("--preset", "NAME")] = "default"
-    """Control parameters of the card."""
-    gait: Annotated[str | None, text("--gait", "FILE", absent="the template")] = None
-    """A planned gait to walk."""
-    impulse: Annotated[float | None, number("--impulse", "N·s", absent="standard")] = None
-    """Impulse of 0.1 s at the torso's centre of mass, N·s."""
-    strength: Annotated[float | None, number("--strength", "X", absent="standard")] = None
-    """The impulse over mass times √(gH) instead."""
-    speed: Annotated[
-        tuple[float, ...] | None, numbers("--speed", "VX [VY]", (1, 2), "forward, and to the left if there are two")
+    set: _Set = "walks"
+    robot: _Robot = None
+    preset: Preset = "default"
+    gait: _Gait = None
+    impulse: Annotated[
+        float | None, About("Impulse of 0.1 s at the torso's centre of mass", "N·s", "N·s", absent="standard")
     ] = None
-    """Forward and lateral speed, m/s."""
-    height: Annotated[float | None, number("--height", "M", absent="standard")] = None
-    """Hip midpoint above the stance sole, m."""
-    period: Annotated[float | None, number("--period", "S", absent="standard")] = None
-    """Duration of one step, s."""
-    directions: Annotated[int | None, integer("--directions", "N", 1, absent="the set's, or 8")] = None
-    """Directions, evenly around the robot."""
-    phases: Annotated[int | None, integer("--phases", "N", 1, absent="the set's, or 12")] = None
-    """Phases, evenly over one stride."""
-    largest: bool = False
-    """Search the largest impulse survived in every direction instead."""
-    jobs: Annotated[int, integer("--jobs", "N", 1)] = 1
-    """Processes."""
-    out: Annotated[str, text("--out", "DIR")] = "runs/bench"
-    """Folder of results; runs found there are not repeated."""
-    json: bool = False
-    """Print one JSON document instead of a table."""
+    strength: Annotated[
+        float | None, About("The impulse over mass times √(gH) instead", metavar="X", absent="standard")
+    ] = None
+    speed: Annotated[
+        tuple[float, float] | None, About("Forward and lateral speed", "m/s", "VX [VY]", absent="standard")
+    ] = None
+    height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="standard")] = None
+    period: Annotated[float | None, About("Duration of one step", "s", "S", absent="standard")] = None
+    directions: Annotated[
+        int | None,
+        Field(ge=1),
+        About("Directions, evenly around the robot", metavar="N", absent="the set's, or 8"),
+    ] = None
+    phases: Annotated[
+        int | None, Field(ge=1), About("Phases, evenly over one stride", metavar="N", absent="the set's, or 12")
+    ] = None
+    largest: Annotated[bool, About("Search the largest impulse survived in every direction instead")] = False
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
 
 
-@dataclass(frozen=True)
-class BatteryArguments:
+class BatteryArguments(Arguments):
     """Run the trials of a set: speeds, heights, slopes, boxes, noise, each against its target."""
 
-    set: Annotated[str, text("--set", "NAME_OR_FILE")] = "walks"
-    """Set of trials: walks, courses, courses_estimated, planned, kick, or a TOML file."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the set's")] = None
-    """A robot of the package, or the path of a card."""
-    preset: Annotated[str, text("--preset", "NAME")] = "default"
-    """Control parameters of the card."""
-    gait: Annotated[str | None, text("--gait", "FILE", absent="the template")] = None
-    """A planned gait to walk."""
-    only: Annotated[tuple[Annotated[str, text("--only", "NAME")], ...], Repeatable] = ()
-    """Run these trials only."""
-    jobs: Annotated[int, integer("--jobs", "N", 1)] = 1
-    """Processes."""
-    out: Annotated[str, text("--out", "DIR")] = "runs/bench"
-    """Folder of results; runs found there are not repeated."""
-    json: bool = False
-    """Print one JSON document instead of a table."""
+    set: _Set = "walks"
+    robot: _Robot = None
+    preset: Preset = "default"
+    gait: _Gait = None
+    only: Annotated[tuple[str, ...], About("Run these trials only", metavar="NAME")] = ()
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
 
 
 def tick(words: list[str], program: str) -> Outcome:
@@ -127,7 +113,7 @@ def _measure(name: str, arguments: Any) -> Outcome:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     experiment: Callable[..., Any] = getattr(import_module("gaitsmith.experiments"), name)
-    options = {key: value for key, value in vars(arguments).items() if key != "json"}
+    options = arguments.model_dump(exclude={"json_"})
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:

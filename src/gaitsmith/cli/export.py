@@ -3,34 +3,28 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
-from gaitsmith.cli.arguments import Positional, choice, integer, number, parse, text
+from pydantic import Field
+
+from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, Outcome
 from gaitsmith.cli.inputs import given_steps, planned_gait
 from gaitsmith.cli.run_folder import check_file
-from gaitsmith.errors import BadInput
+from gaitsmith.documents import About
 
 
-@dataclass(frozen=True)
-class ExportArguments:
+class ExportArguments(Arguments):
     """Write a gait file's states, torques and contact wrenches at a fixed rate."""
 
-    gait: Annotated[str, Positional, text("GAIT", "GAIT")]
-    """Gait file."""
-    format: Annotated[str, choice("--format", ("csv", "mcap"))] = "csv"
-    """csv or mcap."""
-    rate: Annotated[float, number("--rate", "HZ")] = 1000.0
-    """Rows per second."""
-    steps: Annotated[int | None, integer("--steps", "N", 1, 10_000, absent="1")] = None
-    """Steps of a cyclic gait."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the one it names")] = None
-    """The robot it was planned for, if it is not one of the package."""
-    out: Annotated[str | None, text("--out", "FILE", absent="beside the gait file")] = None
-    """File to write."""
-    json: bool = False
-    """Print one JSON document instead of text."""
+    gait: GaitFile
+    format: Annotated[Literal["csv", "mcap"], About("A table for scripts, or a log for viewers")] = "csv"
+    rate: Annotated[float, Field(gt=0.0), About("Rows per second", metavar="HZ")] = 1000.0
+    steps: Annotated[int | None, Field(ge=1, le=10_000), About("Steps of a cyclic gait", metavar="N", absent="1")] = (
+        None
+    )
+    robot: OwnRobot = None
+    out: Annotated[str | None, About("File to write", metavar="FILE", absent="beside the gait file")] = None
 
 
 def export(words: list[str], program: str) -> Outcome:
@@ -40,8 +34,6 @@ def export(words: list[str], program: str) -> Outcome:
         BadInput: the command line, the file or the robot cannot be used.
     """
     arguments = parse(ExportArguments, words, program)
-    if not arguments.rate > 0.0:
-        raise BadInput("--rate", arguments.rate, "a positive number of rows per second")
     path = check_file(arguments.out or _beside(arguments.gait, arguments.format), (arguments.gait,))
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis.gaits.export import export_gait

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from gaitsmith.cli.arguments import Positional, choice, integer, number, text
+from pydantic import Field
+
+from gaitsmith.cli.arguments import Arguments, Positional, RobotName, flag
+from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.motions.settings import Bounds, Settings
 
 if TYPE_CHECKING:
     from gaitsmith.synthesis.requests.request import Request
 
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
+_BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields
 _WALKS = ("cyclic", "start", "stop", "walk")
 _NAMED = (*_WALKS, "kick")
 _APPLIES: dict[str, tuple[str, ...]] = {
@@ -41,33 +45,19 @@ def _stride(name: str) -> Callable[[], str]:
     return shown
 
 
-def _step(name: str) -> Callable[[], object]:
-    def shown() -> object:
+def _step(name: str) -> Callable[[], str]:
+    def shown() -> str:
         from gaitsmith.synthesis.motions.catalogue import StepParameters
 
-        return getattr(StepParameters, name)
+        return f"{getattr(StepParameters, name):g}"
 
     return shown
 
 
-def _bound(name: str) -> Callable[[], object]:
-    def shown() -> object:
-        from gaitsmith.synthesis.motions.settings import Bounds
-        from gaitsmith.synthesis.requests.request import KICK_FRICTION
+def _friction() -> str:
+    from gaitsmith.synthesis.requests.request import KICK_FRICTION
 
-        value = Bounds.model_fields[name].default
-        return f"{value:g}, for a kick {KICK_FRICTION:g}" if name == "friction" else value
-
-    return shown
-
-
-def _setting(name: str) -> Callable[[], object]:
-    def shown() -> object:
-        from gaitsmith.synthesis.motions.settings import Settings
-
-        return Settings.model_fields[name].default
-
-    return shown
+    return f"{_BOUNDS['friction'].default:g}, for a kick {KICK_FRICTION:g}"
 
 
 def _cycles() -> str:
@@ -76,49 +66,70 @@ def _cycles() -> str:
     return f"{Request.cycles}, from 0 to {MOST_CYCLES}"
 
 
-@dataclass(frozen=True)
-class PlanArguments:
+class PlanArguments(Arguments):
     """Plan a motion: cyclic, start, stop, walk, kick, sweep, or a motion file (TOML).
 
     Of speed, step length and period any two decide the third; one alone follows the paper's two gaits.
     """
 
-    motion: Annotated[str | None, Positional, text("MOTION", "MOTION", absent="cyclic")] = None
-    """cyclic, start, stop, walk, kick, sweep, or the path of a motion file."""
-    robot: Annotated[str, text("--robot", "NAME_OR_PATH")] = "thbip_ii"
-    """A robot of the package, or the path of a card."""
-    speed: Annotated[float | None, number("--speed", "V", _stride("--speed"))] = None
-    """Walking speed, m/s; for a kick the ankle's speed at the ball."""
-    step_length: Annotated[float | None, number("--step-length", "M", _stride("--step-length"))] = None
-    """From one foothold to the next, m."""
-    period: Annotated[float | None, number("--period", "S", _stride("--period"))] = None
-    """Of one step, s."""
-    step_height: Annotated[float | None, number("--step-height", "M", _step("height"), (0.005, 0.3))] = None
-    """Height of the swing ankle above its height on the ground, m."""
-    double_support: Annotated[
-        float | None, number("--double-support", "SHARE", _step("double_support"), (0.05, 0.8))
+    motion: Annotated[
+        str | None,
+        Positional(
+            "cyclic, start, stop, walk, kick, sweep, or the path of a motion file", metavar="MOTION", absent="cyclic"
+        ),
     ] = None
-    """Share of the period with both feet on the ground."""
-    order: Annotated[str | None, choice("--order", ("4", "5"), _setting("order"))] = None
-    """Degree of the joint splines: 4 as in the paper, or 5."""
-    cycles: Annotated[int | None, integer("--cycles", "N", 0, absent=_cycles)] = None
-    """Steps of the cyclic gait in a walk."""
-    zmp_margin: Annotated[float | None, number("--zmp-margin", "M", _bound("zmp_margin"), (0.0, 1.0))] = None
-    """Distance of the ZMP from the support sole's edge, m."""
-    friction: Annotated[float | None, number("--friction", "MU", _bound("friction"), (0.05, 2.0))] = None
-    """Coulomb coefficient."""
-    time_limit: Annotated[float | None, number("--time-limit", "S", _setting("time_limit"), (0.1, 3600.0))] = None
-    """For each solve, s; to find out why there is no solution takes up to 20 s more."""
-    jobs: Annotated[int | None, integer("--jobs", "N", 1, 256, absent="1")] = None
-    """Processes of a sweep."""
-    out: Annotated[str | None, text("--out", "FILE", absent="none")] = None
-    """Gait file to write."""
-    figures: Annotated[str | None, text("--figures", "DIR", absent="none")] = None
-    """New folder for figures (PNG)."""
-    claims: bool = False
-    """Plan the paper's two cyclic gaits and print its claims beside our figures."""
-    json: bool = False
-    """Print one JSON document instead of tables."""
+    robot: RobotName = "thbip_ii"
+    speed: Annotated[
+        float | None,
+        About("Walking speed, m/s; for a kick the ankle's speed at the ball", metavar="V", absent=_stride("--speed")),
+    ] = None
+    step_length: Annotated[
+        float | None, About("From one foothold to the next", "m", "M", absent=_stride("--step-length"))
+    ] = None
+    period: Annotated[float | None, About("Of one step", "s", "S", absent=_stride("--period"))] = None
+    step_height: Annotated[
+        float | None,
+        Field(ge=0.005, le=0.3),
+        About("Height of the swing ankle above its height on the ground", "m", "M", absent=_step("height")),
+    ] = None
+    double_support: Annotated[
+        float | None,
+        Field(ge=0.05, le=0.8),
+        About("Share of the period with both feet on the ground", metavar="SHARE", absent=_step("double_support")),
+    ] = None
+    order: Annotated[
+        Literal[4, 5] | None,
+        About("Degree of the joint splines: 4 as in the paper, or 5", absent=str(_SETTINGS["order"].default)),
+    ] = None
+    cycles: Annotated[int | None, About("Steps of the cyclic gait in a walk", metavar="N", absent=_cycles)] = None
+    zmp_margin: Annotated[
+        float | None,
+        *_BOUNDS["zmp_margin"].metadata,
+        About(
+            "Distance of the ZMP from the support sole's edge",
+            "m",
+            "M",
+            absent=f"{_BOUNDS['zmp_margin'].default:g}",
+        ),
+    ] = None
+    friction: Annotated[
+        float | None,
+        *_BOUNDS["friction"].metadata,
+        About("Coulomb coefficient", metavar="MU", absent=_friction),
+    ] = None
+    time_limit: Annotated[
+        float | None,
+        *_SETTINGS["time_limit"].metadata,
+        About(
+            "For each solve, s; to find out why there is no solution takes up to 20 s more",
+            metavar="S",
+            absent=f"{_SETTINGS['time_limit'].default:g}",
+        ),
+    ] = None
+    jobs: Annotated[int | None, Field(ge=1, le=256), About("Processes of a sweep", metavar="N", absent="1")] = None
+    out: Annotated[str | None, About("Gait file to write", metavar="FILE", absent="none")] = None
+    figures: Annotated[str | None, About("New folder for figures (PNG)", metavar="DIR", absent="none")] = None
+    claims: Annotated[bool, About("Plan the paper's two cyclic gaits and print its claims beside our figures")] = False
 
 
 def task_of(arguments: PlanArguments) -> str:
@@ -137,7 +148,7 @@ def task_of(arguments: PlanArguments) -> str:
     for name, tasks in _APPLIES.items():
         value = getattr(arguments, name)
         if value is not None and task not in tasks:
-            raise BadInput("--" + name.replace("_", "-"), value, f"nothing with {task}", f"for {', '.join(tasks)} only")
+            raise BadInput(flag(name), value, f"nothing with {task}", f"for {', '.join(tasks)} only")
     return task
 
 
@@ -150,13 +161,11 @@ def request_from(arguments: PlanArguments, task: str) -> Request | None:
     if task == FILE:
         return None
     from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
-    from gaitsmith.synthesis.motions.settings import Bounds, Settings
     from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, Request, stride
 
     friction = KICK_FRICTION if task == "kick" and arguments.friction is None else arguments.friction
     bounds = Bounds(**_given(zmp_margin=arguments.zmp_margin, friction=friction))
-    order = None if arguments.order is None else int(arguments.order)
-    settings = Settings(bounds=bounds, **_given(order=order, time_limit=arguments.time_limit))
+    settings = Settings(bounds=bounds, **_given(order=arguments.order, time_limit=arguments.time_limit))
     if task == "kick":
         if arguments.speed is not None and not KICK_SPEEDS[0] <= arguments.speed <= KICK_SPEEDS[1]:
             raise BadInput("--speed", arguments.speed, f"{KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g} for a kick")

@@ -3,49 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated, Any
 
-from gaitsmith.cli.arguments import Positional, integer, number, parse, text
+from pydantic import Field
+
+from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, FELL, Outcome
 from gaitsmith.cli.inputs import given_steps, planned_gait
+from gaitsmith.documents import About
 
 _STEPS = 20
 
 
-def _usual(name: str) -> Callable[[], object]:
-    def shown() -> object:
+def _usual(name: str) -> Callable[[], str]:
+    def shown() -> str:
         from gaitsmith.synthesis.proof.replay import ReplaySettings
 
-        return ReplaySettings.model_fields[name].default
+        return f"{ReplaySettings.model_fields[name].default:g}"
 
     return shown
 
 
-@dataclass(frozen=True)
-class PlayArguments:
+class PlayArguments(Arguments):
     """Replay a gait file in MuJoCo: joint PD, planned torque, ankle attitude stabiliser."""
 
-    gait: Annotated[str, Positional, text("GAIT", "GAIT")]
-    """Gait file."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the one it names")] = None
-    """The robot it was planned for, if it is not one of the package."""
-    steps: Annotated[int | None, integer("--steps", "N", 1, 10_000, absent=str(_STEPS))] = None
-    """Steps of a cyclic gait."""
-    stiffness: Annotated[float | None, number("--stiffness", "N·m/rad", _usual("stiffness"), (1.0, 10_000.0))] = None
-    """Of every joint's position control."""
-    damping: Annotated[float | None, number("--damping", "N·m·s/rad", _usual("damping"), (0.01, 1_000.0))] = None
-    """Of every joint's position control."""
-    attitude_gain: Annotated[float | None, number("--attitude-gain", "G", _usual("attitude_gain"), (0.0, 10.0))] = None
-    """Angle of the ankle per angle of the torso's deviation."""
-    friction: Annotated[float | None, number("--friction", "MU", _usual("friction"), (0.01, 5.0))] = None
-    """Coulomb coefficient between sole and ground."""
-    mass_scale: Annotated[float | None, number("--mass-scale", "F", _usual("mass_scale"), (0.2, 5.0))] = None
-    """Real masses relative to planned ones."""
-    gain_scale: Annotated[float | None, number("--gain-scale", "F", _usual("gain_scale"), (0.05, 5.0))] = None
-    """Real gains relative to the given ones."""
-    json: bool = False
-    """Print one JSON document instead of text."""
+    gait: GaitFile
+    robot: OwnRobot = None
+    steps: Annotated[
+        int | None, Field(ge=1, le=10_000), About("Steps of a cyclic gait", metavar="N", absent=str(_STEPS))
+    ] = None
+    stiffness: Annotated[
+        float | None,
+        Field(ge=1.0, le=10_000.0),
+        About("Of every joint's position control", metavar="N·m/rad", absent=_usual("stiffness")),
+    ] = None
+    damping: Annotated[
+        float | None,
+        Field(ge=0.01, le=1_000.0),
+        About("Of every joint's position control", metavar="N·m·s/rad", absent=_usual("damping")),
+    ] = None
+    attitude_gain: Annotated[
+        float | None,
+        Field(ge=0.0, le=10.0),
+        About("Angle of the ankle per angle of the torso's deviation", metavar="G", absent=_usual("attitude_gain")),
+    ] = None
+    friction: Annotated[
+        float | None,
+        Field(ge=0.01, le=5.0),
+        About("Coulomb coefficient between sole and ground", metavar="MU", absent=_usual("friction")),
+    ] = None
+    mass_scale: Annotated[
+        float | None,
+        Field(ge=0.2, le=5.0),
+        About("Real masses relative to planned ones", metavar="F", absent=_usual("mass_scale")),
+    ] = None
+    gain_scale: Annotated[
+        float | None,
+        Field(ge=0.05, le=5.0),
+        About("Real gains relative to the given ones", metavar="F", absent=_usual("gain_scale")),
+    ] = None
 
 
 def play(words: list[str], program: str) -> Outcome:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
-from gaitsmith.cli.arguments import Positional, parse, text
+from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, Outcome, printable
 from gaitsmith.cli.inputs import named_robot
 
@@ -14,22 +13,17 @@ if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
 
-@dataclass(frozen=True)
-class ListArguments:
+class ListArguments(Arguments):
     """List the robots that come with the package."""
 
-    json: bool = False
-    """Print one JSON document instead of a table."""
 
-
-@dataclass(frozen=True)
-class RobotArguments:
+class RobotArguments(Arguments):
     """Load a robot, check it, and describe it."""
 
-    robot: Annotated[str, Positional, text("ROBOT", "NAME_OR_PATH")] = "bhr_b2"
-    """A robot of the package, the path of a card, or a folder with a card.toml."""
-    json: bool = False
-    """Print one JSON document instead of tables."""
+    robot: Annotated[
+        str,
+        Positional("A robot of the package, the path of a card, or a folder with a card.toml", metavar="NAME_OR_PATH"),
+    ] = "bhr_b2"
 
 
 def list_robots(words: list[str], program: str) -> Outcome:

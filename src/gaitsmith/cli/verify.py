@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
-from gaitsmith.cli.arguments import Positional, integer, parse, text
+from pydantic import Field
+
+from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, FELL, Outcome
 from gaitsmith.cli.inputs import planned_gait
+from gaitsmith.documents import About
 
 
-@dataclass(frozen=True)
-class VerifyArguments:
+class VerifyArguments(Arguments):
     """Check a gait file against MuJoCo's kinematics and inverse dynamics."""
 
-    gait: Annotated[str, Positional, text("GAIT", "GAIT")]
-    """Gait file."""
-    robot: Annotated[str | None, text("--robot", "NAME_OR_PATH", absent="the one it names")] = None
-    """The robot it was planned for, if it is not one of the package."""
-    dense: Annotated[int, integer("--dense", "N", 50, 5000)] = 400
-    """Instants in every phase."""
-    json: bool = False
-    """Print one JSON document instead of tables."""
+    gait: GaitFile
+    robot: OwnRobot = None
+    dense: Annotated[int, Field(ge=50, le=5000), About("Instants in every phase", metavar="N")] = 400
 
 
 def verify(words: list[str], program: str) -> Outcome:

@@ -21,7 +21,7 @@ class About:
     Attributes:
         meaning: a phrase without a full stop.
         unit: SI; empty without one.
-        metavar: what stands for the value in a command's usage; a part in brackets may be left out.
+        metavar: what stands for the value in a command's usage; a number in brackets may be left out, and is 0 then.
         absent: what the help calls a default of None; a function is asked only when help is shown.
         flag: the option, if it is not named as the field.
     """

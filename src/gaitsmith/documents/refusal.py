@@ -8,7 +8,6 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 
 from gaitsmith.errors import BadInput
 
@@ -52,31 +51,25 @@ def _keys(model: type[BaseModel], place: Iterable[int | str]) -> list[str]:
     return [field.alias or name for name, field in hint.model_fields.items()]
 
 
-def valid_values(field: FieldInfo) -> str:
-    """What is valid for a model's field, in words."""
-    hint, limits = _plain(field.annotation)
-    return _valid(hint, (*field.metadata, *limits))
-
-
 def _hint(hint: Any, place: Iterable[int | str]) -> tuple[Any, tuple[Any, ...]]:
     """Annotation and constraints of what lies at a place of a model."""
-    hint, limits = _plain(hint)
+    hint, limits = plain(hint)
     for part in place:
         if isinstance(hint, type) and issubclass(hint, BaseModel):
             fields = {field.alias or name: field for name, field in hint.model_fields.items()}
             if part not in fields:
                 return hint, ()
-            inner, more = _plain(fields[str(part)].annotation)
+            inner, more = plain(fields[str(part)].annotation)
             hint, limits = inner, (*fields[str(part)].metadata, *more)
         elif get_origin(hint) is dict:
-            hint, limits = _plain(get_args(hint)[1])
+            hint, limits = plain(get_args(hint)[1])
         elif get_origin(hint) is tuple:
             inside = get_args(hint)
-            hint, limits = _plain(inside[0 if inside[-1] is Ellipsis else min(int(part), len(inside) - 1)])
+            hint, limits = plain(inside[0 if inside[-1] is Ellipsis else min(int(part), len(inside) - 1)])
     return hint, limits
 
 
-def _plain(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+def plain(hint: Any) -> tuple[Any, tuple[Any, ...]]:
     """An annotation without its constraints and without None, and the constraints."""
     limits: tuple[Any, ...] = ()
     while True:
@@ -101,16 +94,23 @@ def _valid(hint: Any, limits: tuple[Any, ...]) -> str:
     if pattern is not None:
         return f"text that matches {pattern}"
     if hint is str:
-        return f"text{_count(limits)} characters" if limits else "text"
+        return f"text{_count(limits)} characters" if _count(limits) else "text"
     names = {bool: "true or false", int: "a whole number", float: "a finite number"}
     if hint not in names:
         return "a table"
-    words = names[hint]
+    return names[hint] + span(limits)
+
+
+def span(limits: tuple[Any, ...]) -> str:
+    """The range that constraints leave, in words that follow a noun; empty without any."""
     least, above, most, below = (_limit(limits, name) for name in ("ge", "gt", "le", "lt"))
+    words = ""
     if least is not None or above is not None:
         words += f" from {least:g}" if least is not None else f" above {above:g}"
     if most is not None or below is not None:
-        words += f" {'to' if least is not None else 'up to'} {most:g}" if most is not None else f" below {below:g}"
+        words += (
+            f" {'to' if least is not None else 'up to'} {most:.10g}" if most is not None else f" below {below:.10g}"
+        )
     return words
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from gaitsmith.documents import About
@@ -54,7 +54,7 @@ class GaitParameters(Parameters):
     speed: Annotated[
         tuple[Finite, Finite],
         GaitInput(
-            "commanded CoM velocity in the heading frame, forward and to the left",
+            "Commanded CoM velocity in the heading frame, forward and to the left",
             "m/s",
             "VX [VY]",
             parts=("speed_x", "speed_y"),
@@ -62,15 +62,15 @@ class GaitParameters(Parameters):
             stops=True,
         ),
     ] = (0.0, 0.0)
-    period: Annotated[Positive, GaitInput("T, duration of one step", "s", "S")]
-    alpha: Annotated[Fraction, GaitInput("lifting stage's share of the period", "", "A")] = 0.5
-    height: Annotated[Positive, GaitInput("H, hip midpoint above the stance sole", "m", "M")]
-    lift: Annotated[Positive, GaitInput("h, height of the swing sole at the end of the lifting stage", "m", "M")]
-    width: Annotated[Positive, GaitInput("W, half the lateral distance between the soles", "m", "M")]
+    period: Annotated[Positive, GaitInput("Duration T of one step", "s", "S")]
+    alpha: Annotated[Fraction, GaitInput("Lifting stage's share of the period", "", "A")] = 0.5
+    height: Annotated[Positive, GaitInput("Height H of the hip midpoint above the stance sole", "m", "M")]
+    lift: Annotated[Positive, GaitInput("Height h of the swing sole at the end of the lifting stage", "m", "M")]
+    width: Annotated[Positive, GaitInput("Half the lateral distance W between the soles", "m", "M")]
     yaw_rate: Annotated[
         Finite,
         GaitInput(
-            "rate at which the heading turns, to the left", "rad/s", "W", stops=True, fixed="the legs cannot turn"
+            "Rate at which the heading turns, to the left", "rad/s", "W", stops=True, fixed="the legs cannot turn"
         ),
     ] = 0.0
 
@@ -136,18 +136,14 @@ def check_gait(gait: Mapping[str, Any], limits: GaitLimits, prefix: str = "") ->
         if name not in GAIT_INPUTS:
             raise BadInput(f"{prefix}{name}", value, f"one of {', '.join(GAIT_INPUTS)}")
         about = GAIT_INPUTS[name]
-        listed = isinstance(value, (tuple, list, np.ndarray))
+        listed = isinstance(value, (tuple, list)) or getattr(value, "ndim", 0) > 0
         if listed != bool(about.parts) or (listed and len(value) != len(about.parts)):
             count = f"{len(about.parts)} numbers" if about.parts else "one number"
             raise BadInput(f"{prefix}{name}", value, f"{count}: {about.meaning}, {about.unit}")
     for part, place, value in gait_numbers(gait):
         low, high = getattr(limits, part)
         about = GAIT_INPUTS[place.partition("[")[0]]
-        if (
-            isinstance(value, (bool, np.bool_))
-            or not isinstance(value, (int, float, np.number))
-            or not low <= value <= high
-        ):
+        if isinstance(value, bool) or not isinstance(value, Real) or not low <= value <= high:
             alone = low == high
             valid = f"{low:g} only" if alone else f"{low:g} to {high:g} {about.unit}".strip()
             raise BadInput(f"{prefix}{place}", value, valid, about.fixed if alone else "")

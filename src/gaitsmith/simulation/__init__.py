@@ -5,8 +5,9 @@ Names load on first use: a scenario can be built, or help printed, without start
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from gaitsmith.lazy import lazily
 
 if TYPE_CHECKING:
     from gaitsmith.simulation.disturbances import Push as Push
@@ -22,32 +23,16 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.terrain import Terrain as Terrain
     from gaitsmith.simulation.terrain import parse_terrain as parse_terrain
 
-_HOMES = {
-    "Episode": "episode",
-    "Fall": "fall",
-    "Plant": "plant",
-    "Push": "disturbances",
-    "Scenario": "scenario",
-    "SensorNoise": "sensors",
-    "Simulation": "episode",
-    "Summary": "summary",
-    "Terrain": "terrain",
-    "load_scenario": "scenario",
-    "parse_terrain": "terrain",
-    "run_episode": "episode",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import the module that defines a public name when the name is first used."""
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'gaitsmith.simulation' has no attribute {name!r}")
-    value = getattr(import_module(f"gaitsmith.simulation.{home}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """Public names, loaded or not."""
-    return sorted(_HOMES)
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "disturbances": "Push",
+        "episode": "Episode Simulation run_episode",
+        "fall": "Fall",
+        "plant": "Plant",
+        "scenario": "Scenario load_scenario",
+        "sensors": "SensorNoise",
+        "summary": "Summary",
+        "terrain": "Terrain parse_terrain",
+    },
+)

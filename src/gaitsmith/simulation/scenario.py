@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, create_model, field_validator, model_validator
 
-from gaitsmith.documents import checked, parse_toml, read_toml
+from gaitsmith.documents import About, about, checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
@@ -37,7 +37,10 @@ else:
         "_Inputs",
         __config__=ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False),
         __module__=__name__,
-        **{name: (field.annotation | None, None) for name, field in GaitParameters.model_fields.items()},
+        **{
+            name: (Annotated[field.annotation | None, about(field)], None)
+            for name, field in GaitParameters.model_fields.items()
+        },
     )
 
 
@@ -83,43 +86,71 @@ class Change(Command):
 
 
 class Scenario(Command):
-    """One run. The inherited gait inputs hold from the beginning; ``changes`` alter them.
+    """One run. The inherited gait inputs hold from the beginning; ``changes``, in order of time, alter them."""
 
-    Attributes:
-        robot: name of a shipped robot, or path of a card.
-        preset: control parameters of the card.
-        state: whether the controller sees the true state or sensors and an estimator.
-        seed: of everything random.
-        terrain: ``flat``, ``slope:DEGREES``, or ``boxes:METRES``.
-        duration: of the whole run, rests included, s.
-        rest_before: standing on both feet before the walk, s.
-        rest_after: the same after it, s.
-        changes: in order of time.
-        pushes: in any order.
-        sensors: sensor errors when the state is estimated.
-        joint_friction: Coulomb friction of every joint, N·m.
-        torque_delay: from command to joint, s.
-        friction: Coulomb coefficient between sole and ground.
-        mass_factor: on every mass and inertia of the plant; the controller keeps the card's.
-        mass_spread: each body's masses differ by up to this share besides, drawn from the seed.
-    """
-
-    robot: Annotated[str, Field(min_length=1, max_length=1000)] = "bhr_b2"
-    preset: Annotated[str, Field(min_length=1, max_length=64)] = "default"
-    state: Literal["true", "estimated"] = "true"
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = 0
-    terrain: str = "flat"
-    duration: Annotated[float, Field(gt=0.0, le=_MAX_DURATION, allow_inf_nan=False)] = 20.0
-    rest_before: Seconds = 1.0
-    rest_after: Seconds = 0.0
+    robot: Annotated[
+        str,
+        Field(min_length=1, max_length=1000),
+        About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH"),
+    ] = "bhr_b2"
+    preset: Annotated[
+        str,
+        Field(min_length=1, max_length=64),
+        About("Control parameters of the card, such as default or paper", metavar="NAME"),
+    ] = "default"
+    state: Annotated[
+        Literal["true", "estimated"],
+        About("What the controller sees: the true state, or noisy sensors and an estimator"),
+    ] = "true"
+    seed: Annotated[int, Field(ge=0, lt=2**32), About("Seed of everything random", metavar="N")] = 0
+    terrain: Annotated[
+        str,
+        About(
+            "Ground: flat, a slope (uphill positive), or random boxes up to a height",
+            metavar="flat|slope:DEG|boxes:M",
+        ),
+    ] = "flat"
+    duration: Annotated[
+        float,
+        Field(gt=0.0, le=_MAX_DURATION, allow_inf_nan=False),
+        About("Length of the whole run, rests included", "s", "S"),
+    ] = 20.0
+    rest_before: Annotated[Seconds, About("Standing on both feet before the walk", "s", "S")] = 1.0
+    rest_after: Annotated[Seconds, About("Standing on both feet after the walk", "s", "S")] = 0.0
     changes: Annotated[tuple[Change, ...], Field(max_length=1000)] = ()
-    pushes: Annotated[tuple[Push, ...], Field(max_length=1000)] = ()
+    pushes: Annotated[
+        tuple[Push, ...],
+        Field(max_length=1000),
+        About(
+            "Push of 0.1 s at the torso's centre of mass: time, s, and impulse, N·s, world axes",
+            metavar="t,Jx,Jy,Jz",
+            flag="--push",
+        ),
+    ] = ()
     sensors: SensorNoise = SensorNoise()
-    joint_friction: Annotated[float, Field(ge=0.0, le=100.0, allow_inf_nan=False)] = 0.0
-    torque_delay: Annotated[float, Field(ge=0.0, le=0.1, allow_inf_nan=False)] = 0.0
-    friction: Annotated[float, Field(ge=0.05, le=5.0, allow_inf_nan=False)] = 0.8
-    mass_factor: Annotated[float, Field(ge=0.5, le=2.0, allow_inf_nan=False)] = 1.0
-    mass_spread: Annotated[float, Field(ge=0.0, le=0.5, allow_inf_nan=False)] = 0.0
+    joint_friction: Annotated[
+        float,
+        Field(ge=0.0, le=100.0, allow_inf_nan=False),
+        About("Coulomb friction of every joint", "N·m", "N·m"),
+    ] = 0.0
+    torque_delay: Annotated[
+        float, Field(ge=0.0, le=0.1, allow_inf_nan=False), About("From torque command to joint", "s", "S")
+    ] = 0.0
+    friction: Annotated[
+        float,
+        Field(ge=0.05, le=5.0, allow_inf_nan=False),
+        About("Coulomb coefficient between sole and ground", metavar="MU"),
+    ] = 0.8
+    mass_factor: Annotated[
+        float,
+        Field(ge=0.5, le=2.0, allow_inf_nan=False),
+        About("On every mass and inertia of the plant; the controller keeps the card's", metavar="X"),
+    ] = 1.0
+    mass_spread: Annotated[
+        float,
+        Field(ge=0.0, le=0.5, allow_inf_nan=False),
+        About("Each body's masses differ by up to this share besides, drawn from the seed", metavar="X"),
+    ] = 0.0
 
     if TYPE_CHECKING:
 
