@@ -28,6 +28,8 @@ def test_equal_to_mujocos(robot, support, slide):
     finder = StateFinder(robot)
     for k in range(20):
         state = finder.find(support, PLACE, q[:, k], v[:, k], a[:, k])
-        turn = state.position[3:7] * np.sign(state.position[3:7] @ found[0][k, 3:7])
+        turn = state.position[3:7] * np.sign(state.position[3:7] @ found.position[k, 3:7])
         wanted = np.concatenate([state.position[:3], turn, state.position[7:], state.velocity, state.acceleration])
-        assert np.abs(np.concatenate([part[k] for part in found]) - wanted).max() < SAME
+        given = np.concatenate([part[k] for part in (found.position, found.velocity, found.acceleration)])
+        assert np.abs(given - wanted).max() < SAME
+        assert np.abs(found.com[k] - finder.centre_of_mass()).max() < SAME

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import zmp
+from gaitsmith.synthesis.gaits.unrolled import Samples, UnrolledGait
 from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, figure, save
 
 Array = npt.NDArray[np.float64]
@@ -25,41 +25,27 @@ _APART = (0.3, 0.3)  # m, from the side and from the front
 
 @dataclass(frozen=True, eq=False)
 class _Trace:
-    """A gait sampled: time (N,), joint curves (n, N), wrenches (12, N), ZMP and CoG (2, N), bodies (N, bodies, 3)."""
+    """A gait sampled: time (N,), its samples, places of the bodies (N, bodies, 3) and of heel and toe (N, 2, 3), m."""
 
     time: Array
-    angle: Array
-    velocity: Array
-    torque: Array
-    wrench: Array
-    zmp: Array
-    com: Array
+    samples: Samples
     bodies: Array
     soles: dict[str, Array]
 
 
 def _sample(gait: Gait, robot: Robot) -> _Trace:
-    finder, borders = StateFinder(robot), gait.motion.borders
-    parts: dict[str, list[Array]] = {k: [] for k in ("time", "angle", "velocity", "torque", "wrench", "zmp")}
-    com, bodies = [], []
-    soles: dict[str, list[Array]] = {leg.name: [] for leg in robot.legs}
-    for index, phase in enumerate(gait.motion.phases):
-        times = np.linspace(borders[index], borders[index + 1], _SAMPLES)
-        q, v, a = gait.joints(index, times)
-        wrench = gait.wrenches(index, times)
-        values = (times, q, v, gait.torques(index, times), wrench, zmp(phase, wrench))
-        for key, value in zip(parts, values, strict=True):
-            parts[key].append(value)
-        for k in range(_SAMPLES):
-            finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
-            com.append(finder.centre_of_mass()[:2])
-            bodies.append(finder.data.xpos.copy())
-            for leg in robot.legs:
-                ends = [finder.foot(leg.name, np.array([x, 0.0, 0.0]))[0] for x in (-leg.sole.heel, leg.sole.toe)]
-                soles[leg.name].append(np.array(ends))
-    stacked = {key: np.concatenate(value, axis=-1) for key, value in parts.items()}
-    feet = {name: np.array(items) for name, items in soles.items()}
-    return _Trace(**stacked, com=np.array(com).T, bodies=np.array(bodies), soles=feet)
+    time = np.linspace(0.0, gait.duration, _SAMPLES * len(gait.motion.phases))
+    samples, data = UnrolledGait(gait, robot, 1).at(time), mujoco.MjData(robot.model)
+    bodies, soles = [], {leg.name: np.zeros((len(time), 2, 3)) for leg in robot.legs}
+    for k, position in enumerate(samples.position):
+        data.qpos[:] = position
+        mujoco.mj_kinematics(robot.model, data)
+        bodies.append(data.xpos.copy())
+        for leg in robot.legs:
+            site = data.site(leg.sole_site)
+            for end, x in enumerate((-leg.sole.heel, leg.sole.toe)):
+                soles[leg.name][k, end] = site.xpos + x * site.xmat.reshape(3, 3)[:, 0]
+    return _Trace(time, samples, np.array(bodies), soles)
 
 
 def _phases(axes: Axes, gait: Gait) -> None:
@@ -109,14 +95,14 @@ def _joints(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
         grid = made.subplots(rows, 3, sharex=True)
         for row, (one, two) in enumerate(zip(left.joint_indices, right.joint_indices, strict=True)):
             curves = (
-                (trace.angle, (robot.position_low[one], robot.position_high[one]), "rad"),
-                (trace.velocity, (-robot.velocity_limit[one], robot.velocity_limit[one]), "rad/s"),
-                (trace.torque, (-robot.torque_limit[one], robot.torque_limit[one]), "N·m"),
+                (trace.samples.position[:, 7:], (robot.position_low[one], robot.position_high[one]), "rad"),
+                (trace.samples.velocity[:, 6:], (-robot.velocity_limit[one], robot.velocity_limit[one]), "rad/s"),
+                (trace.samples.torque, (-robot.torque_limit[one], robot.torque_limit[one]), "N·m"),
             )
             for axes, (values, limits, unit) in zip(grid[row], curves, strict=True):
                 _phases(axes, gait)
-                axes.plot(trace.time, values[one], color=LEFT, label="left")
-                axes.plot(trace.time, values[two], color=RIGHT, label="right")
+                axes.plot(trace.time, values[:, one], color=LEFT, label="left")
+                axes.plot(trace.time, values[:, two], color=RIGHT, label="right")
                 low, high = axes.get_ylim()
                 for limit in limits:
                     if low - 0.5 * (high - low) <= limit <= high + 0.5 * (high - low):
@@ -145,8 +131,8 @@ def _ground(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
                 colour = LEFT if side == "left" else RIGHT
                 box = Rectangle(corner, sole.heel + sole.toe, 2 * sole.half_width, fill=False, edgecolor=colour)
                 axes.add_patch(box)
-        axes.plot(*trace.com, color=THIRD, label="CoG")
-        axes.plot(*trace.zmp, color=COMMAND, lw=1.0, label="ZMP")
+        axes.plot(*trace.samples.com.T[:2], color=THIRD, label="CoG")
+        axes.plot(*trace.samples.zmp.T, color=COMMAND, lw=1.0, label="ZMP")
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("x, m")
         axes.set_ylabel("y, m")
@@ -161,8 +147,8 @@ def _reactions(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
             for axis, name in enumerate("xyz"):
                 axes = grid[row][axis]
                 _phases(axes, gait)
-                axes.plot(trace.time, trace.wrench[3 * row + axis], color=LEFT, label="left")
-                axes.plot(trace.time, trace.wrench[6 + 3 * row + axis], color=RIGHT, label="right")
+                axes.plot(trace.time, trace.samples.wrench[:, 3 * row + axis], color=LEFT, label="left")
+                axes.plot(trace.time, trace.samples.wrench[:, 6 + 3 * row + axis], color=RIGHT, label="right")
                 axes.set_title(f"{kind} {name}, {unit}")
         grid[0][0].legend(loc="best")
         for axes in grid[1]:

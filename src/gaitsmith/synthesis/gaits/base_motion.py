@@ -1,41 +1,91 @@
-"""Motion of the base from the joints' for many instants at once, while one sole stands still."""
+"""Motion of the base from the joints' for many instants, while one sole stands still, by the compiled dynamics."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.dynamics.contact import sole_pose
+from gaitsmith.dynamics.inertia import accumulate_subtrees, body_inertia_and_force
+from gaitsmith.dynamics.kinematics import forward_kinematics, forward_velocities
+from gaitsmith.dynamics.points import point_bias, point_velocity
+from gaitsmith.dynamics.rotation import quaternion_from_entries
+from gaitsmith.dynamics.tree import Tree, TreeState, make_tree_state, read_tree
 from gaitsmith.robots import Robot
 
 Array = npt.NDArray[np.float64]
 
 
-def _cross(a: Array, b: Array) -> Array:
-    """(N, 3) cross products, without the checks of NumPy's own."""
-    ax, ay, az, bx, by, bz = (*np.moveaxis(a, -1, 0), *np.moveaxis(b, -1, 0))
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+@kernel
+def _stand(
+    tree: Tree,
+    state: TreeState,
+    body: int,
+    position: Vector,
+    rotation: Matrix,
+    footholds: Matrix,
+    q: Matrix,
+    v: Matrix,
+    a: Matrix,
+    com: Matrix,
+    place: Vector,
+    axes: Matrix,
+    twist: Vector,
+    bias: Vector,
+) -> None:
+    """Fill the base's part of every row of q, v and a so that a sole frame stands at the foothold; and the CoM.
+
+    The last four arguments are scratch: (3,), (3, 3), (6,), (6,).
+    """
+    base = tree.dof_body[0]
+    for k in range(len(q)):
+        q[k, :3] = 0.0
+        q[k, 3], q[k, 4], q[k, 5], q[k, 6] = 1.0, 0.0, 0.0, 0.0
+        v[k, :6] = 0.0
+        a[k, :6] = 0.0
+        forward_kinematics(tree, state, q[k])
+        sole_pose(tree, state, body, position, rotation, place, axes)
+        for i in range(3):
+            q[k, i] = footholds[k, i] - (axes[0, i] * place[0] + axes[1, i] * place[1] + axes[2, i] * place[2])
+        q[k, 3], q[k, 4], q[k, 5], q[k, 6] = quaternion_from_entries(
+            (axes[0, 0], axes[1, 0], axes[2, 0], axes[0, 1], axes[1, 1], axes[2, 1], axes[0, 2], axes[1, 2], axes[2, 2])
+        )
+        forward_kinematics(tree, state, q[k])
+        turn = state.body_rotation[base]
+        x, y, z = footholds[k, 0] - q[k, 0], footholds[k, 1] - q[k, 1], footholds[k, 2] - q[k, 2]
+        bias[:] = 0.0
+        for out in (v[k], a[k]):  # the base undoes what the joints, and then the velocities, do to the sole
+            point_velocity(tree, state, body, footholds[k], out, twist)
+            u0, u1, u2 = twist[0] + bias[0], twist[1] + bias[1], twist[2] + bias[2]
+            w0, w1, w2 = twist[3] + bias[3], twist[4] + bias[4], twist[5] + bias[5]
+            out[0], out[1], out[2] = w1 * z - w2 * y - u0, w2 * x - w0 * z - u1, w0 * y - w1 * x - u2
+            for i in range(3):
+                out[3 + i] = -(turn[0, i] * w0 + turn[1, i] * w1 + turn[2, i] * w2)
+            forward_velocities(tree, state, v[k])
+            point_bias(tree, state, body, footholds[k], bias)
+        body_inertia_and_force(tree, state)
+        accumulate_subtrees(tree, state)
+        for i in range(3):
+            com[k, i] = state.reference[i] + state.composite[0, 1 + i] / tree.total_mass
 
 
-def _quaternion(axis: Array, angle: Array) -> Array:
-    """(N, 4) quaternions w x y z of turns about one axis."""
-    half = 0.5 * angle[:, None]
-    return np.concatenate([np.cos(half), np.sin(half) * axis], axis=1)
+@dataclass(frozen=True, eq=False)
+class FullStates:
+    """A robot at N instants; MuJoCo's order and axes.
 
+    Attributes:
+        position: (N, nq) base position and quaternion w x y z, joint angles.
+        velocity, acceleration: (N, nv) base linear (world), angular (body), joints.
+        com: (N, 3) centre of mass, world, m.
+    """
 
-def _product(a: Array, b: Array) -> Array:
-    """(N, 4) products of quaternions."""
-    w, v = a[..., :1], a[..., 1:]
-    scalar = w * b[..., :1] - np.sum(v * b[..., 1:], axis=-1, keepdims=True)
-    return np.concatenate([scalar, w * b[..., 1:] + b[..., :1] * v + _cross(v, b[..., 1:])], axis=-1)
-
-
-def _turned(q: Array, v: Array) -> Array:
-    """(N, 3) vectors turned by quaternions."""
-    twice = 2.0 * _cross(q[..., 1:], v)
-    return np.asarray(v + q[..., :1] * twice + _cross(q[..., 1:], twice))
+    position: Array
+    velocity: Array
+    acceleration: Array
+    com: Array
 
 
 class BaseMotion:
@@ -48,85 +98,24 @@ class BaseMotion:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-        self._chains = {leg.name: self._chain(robot.model, leg.sole_site) for leg in robot.legs}
+        self.robot, self._tree = robot, read_tree(robot.model)
+        self._state = make_tree_state(self._tree)
+        self._legs = {leg.name: leg for leg in robot.legs}
 
-    @staticmethod
-    def _chain(model: Any, site: str) -> tuple[list[int], int]:
-        """Bodies from below the base down to a sole's, and the sole's site."""
-        number = int(model.site(site).id)
-        body, path = int(model.site_bodyid[number]), []
-        while int(model.body_parentid[body]) != 0:
-            path.append(body)
-            body = int(model.body_parentid[body])
-        return path[::-1], number
-
-    def states(self, support: str, footholds: Array, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
-        """Positions (N, nq), velocities and accelerations (N, nv) in MuJoCo's order and axes.
+    def states(self, support: str, footholds: Array, q: Array, v: Array, a: Array) -> FullStates:
+        """The robot's states.
 
         Args:
             support: left or right.
             footholds: (N, 2) x and y of the sole frame, world, m.
             q, v, a: (n, N) joint angles, velocities and accelerations.
         """
-        model = self.robot.model
-        path, site = self._chains[support]
-        count = q.shape[1]
-        turn, place = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
-        speed, pull, omega, alpha = (np.zeros((count, 3)) for _ in range(4))
-
-        def move(arm: Array) -> None:
-            """To a point that is fixed in the present body, ``arm`` away, base axes."""
-            nonlocal place, speed, pull
-            spin = _cross(omega, arm)
-            place, speed = place + arm, speed + spin
-            pull = pull + _cross(alpha, arm) + _cross(omega, spin)
-
-        for body in path:
-            move(_turned(turn, model.body_pos[body]))
-            turn = _product(turn, model.body_quat[body])
-            first = int(model.body_jntadr[body])
-            for joint in range(first, first + int(model.body_jntnum[body])):
-                address, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-                angle, rate, change = q[address - 7] - model.qpos0[address], v[dof - 6, :, None], a[dof - 6, :, None]
-                axis = _turned(turn, model.jnt_axis[joint])
-                if int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE):
-                    move(angle[:, None] * axis)
-                    speed = speed + rate * axis
-                    pull = pull + change * axis + 2.0 * rate * _cross(omega, axis)
-                    continue
-                move(_turned(turn, model.jnt_pos[joint]))
-                turn = _product(turn, _quaternion(model.jnt_axis[joint], angle))
-                alpha = alpha + change * axis + rate * _cross(omega, axis)
-                omega = omega + rate * axis
-                move(-_turned(turn, model.jnt_pos[joint]))
-        move(_turned(turn, model.site_pos[site]))
-        turn = _product(turn, model.site_quat[site])
-        return self._inverted((turn, place, speed, pull, omega, alpha), footholds, (q, v, a))
-
-    def _inverted(
-        self, sole: tuple[Array, ...], footholds: Array, joints: tuple[Array, Array, Array]
-    ) -> tuple[Array, Array, Array]:
-        """The base's motion in the world from the sole's in the base."""
-        model = self.robot.model
-        turn, place, speed, pull, omega, alpha = sole
-        count = len(turn)
-        back = turn * np.array([1.0, -1.0, -1.0, -1.0])
-        back /= np.linalg.norm(back, axis=1, keepdims=True)
-        back *= np.where(back[:, :1] < 0.0, -1.0, 1.0)
-        position, velocity, acceleration = (
-            np.zeros((count, model.nq)),
-            np.zeros((count, model.nv)),
-            np.zeros((count, model.nv)),
-        )
-        spin = _cross(-omega, place)
-        position[:, :2] = footholds
-        position[:, :3] -= _turned(back, place)
-        position[:, 3:7] = back
-        velocity[:, :3] = -_turned(back, spin + speed)
-        velocity[:, 3:6] = -omega
-        carried = _cross(-alpha, place) + _cross(-omega, spin) + 2.0 * _cross(-omega, speed)
-        acceleration[:, :3] = -_turned(back, carried + pull)
-        acceleration[:, 3:6] = -alpha
-        position[:, 7:], velocity[:, 6:], acceleration[:, 6:] = (values.T for values in joints)
-        return position, velocity, acceleration
+        leg, count = self._legs[support], q.shape[1]
+        feet = np.column_stack([footholds, np.zeros(count)])
+        position = np.hstack([np.zeros((count, 7)), q.T])
+        velocity, acceleration = (np.hstack([np.zeros((count, 6)), values.T]) for values in (v, a))
+        com = np.zeros((count, 3))
+        sole = (leg.sole_body, leg.sole_position.copy(), leg.sole_rotation.copy())
+        scratch = (np.zeros(3), np.zeros((3, 3)), np.zeros(6), np.zeros(6))
+        _stand(self._tree, self._state, *sole, feet, position, velocity, acceleration, com, *scratch)
+        return FullStates(position, velocity, acceleration, com)

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.gaits.gait import Gait
 
 Array = npt.NDArray[np.float64]
 
@@ -120,10 +119,3 @@ class StateFinder:
     def centre_of_mass(self) -> Array:
         """(3,) world, m, in the state that :meth:`find` left."""
         return np.array(self.data.subtree_com[0])
-
-
-def states(finder: StateFinder, gait: Gait, phase: int, times: Array) -> list[FullState]:
-    """Full states of a phase at times, s from the start of the motion."""
-    item = gait.motion.phases[phase]
-    q, v, a = gait.joints(phase, times)
-    return [finder.find(item.support, item.foothold, q[:, k], v[:, k], a[:, k]) for k in range(len(times))]

@@ -28,6 +28,7 @@ class Samples:
         position: (N, nq) base position and quaternion w x y z, joint angles.
         velocity: (N, nv).
         acceleration: (N, nv).
+        com: (N, 3) centre of mass, world, m.
         torque: (N, n) N·m.
         wrench: (N, 12) left force and moment, right force and moment, world axes, about the sole frames' origins.
         zmp: (N, 2) world, m.
@@ -37,6 +38,7 @@ class Samples:
     position: Array
     velocity: Array
     acceleration: Array
+    com: Array
     torque: Array
     wrench: Array
     zmp: Array
@@ -81,17 +83,18 @@ class UnrolledGait:
         borders = pair.motion.borders
         index = np.clip(np.searchsorted(borders, within, side="right") - 1, 0, len(borders) - 2)
         model, count = self._base.robot.model, len(times)
-        position = np.zeros((count, model.nq))
-        velocity, acceleration = np.zeros((count, model.nv)), np.zeros((count, model.nv))
-        torque, wrench, point = np.zeros((count, joints)), np.zeros((count, CHANNELS)), np.zeros((count, 2))
+        widths = (model.nq, model.nv, model.nv, 3, joints, CHANNELS, 2)
+        found = Samples(
+            [pair.motion.phases[number] for number in index.tolist()], *(np.zeros((count, w)) for w in widths)
+        )
         for number in np.unique(index).tolist():
             phase, mask = pair.motion.phases[number], np.flatnonzero(index == number)
             footholds = np.array(phase.foothold) + away[mask]
-            found = self._base.states(phase.support, footholds, *pair.joints(number, within[mask]))
-            position[mask], velocity[mask], acceleration[mask] = found
-            torque[mask] = pair.torques(number, within[mask]).T
+            states = self._base.states(phase.support, footholds, *pair.joints(number, within[mask]))
+            for name in ("position", "velocity", "acceleration", "com"):
+                getattr(found, name)[mask] = getattr(states, name)
+            found.torque[mask] = pair.torques(number, within[mask]).T
             wrenches = pair.wrenches(number, within[mask])
             with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
-                wrench[mask], point[mask] = wrenches.T, zmp(phase, wrenches).T + away[mask]
-        phases = [pair.motion.phases[number] for number in index.tolist()]
-        return Samples(phases, position, velocity, acceleration, torque, wrench, point)
+                found.wrench[mask], found.zmp[mask] = wrenches.T, zmp(phase, wrenches).T + away[mask]
+        return found

@@ -5,17 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import contact_points, hull, inside, zmp
+from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
+from gaitsmith.synthesis.gaits.unrolled import Samples, UnrolledGait
+from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.proof.verify import verify
 
 Array = npt.NDArray[np.float64]
-_SAMPLES = 200
+_SAMPLES = 1200
+_UPRIGHT = 0.9  # cosine
 
 
 @dataclass(frozen=True)
@@ -31,39 +34,26 @@ class Claim:
         return dict(vars(self))
 
 
-@dataclass(frozen=True, eq=False)
-class _Traces:
-    """A gait sampled: phase, ZMP and CoM on the ground (2, N), torques (n, N), CoM's distance inside the hull (N,)."""
-
-    phase: list[str]
-    zmp: Array
-    com: Array
-    torque: Array
-    inside: Array
-    single: Array
+def _inside(samples: Samples, biped: Biped) -> Array:
+    """(N,) how far the CoM's projection lies inside the support polygon, m."""
+    hulls = {phase: hull(contact_points(biped, phase)) for phase in samples.phases}
+    return np.array(
+        [inside(hulls[phase], com[:2, None])[0] for phase, com in zip(samples.phases, samples.com, strict=True)]
+    )
 
 
-def _traces(gait: Gait, robot: Robot) -> _Traces:
-    from gaitsmith.synthesis.motions.biped import biped_from
+def _yaw_joints(robot: Robot) -> list[int]:
+    """The joints of the legs that turn about the vertical at zero angles."""
+    data = mujoco.MjData(robot.model)
+    mujoco.mj_kinematics(robot.model, data)
+    return [int(joint) for leg in robot.legs for joint in leg.joint_indices if abs(data.xaxis[1 + joint, 2]) > _UPRIGHT]
 
-    finder, biped, borders = StateFinder(robot), biped_from(robot), gait.motion.borders
-    names: list[str] = []
-    parts: dict[str, list[Array]] = {key: [] for key in ("zmp", "com", "torque", "inside", "single")}
-    for index, phase in enumerate(gait.motion.phases):
-        times = np.linspace(borders[index], borders[index + 1], _SAMPLES)
-        q, v, a = gait.joints(index, times)
-        com = np.zeros((2, _SAMPLES))
-        for k in range(_SAMPLES):
-            finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
-            com[:, k] = finder.centre_of_mass()[:2]
-        names += [phase.name] * _SAMPLES
-        parts["zmp"].append(zmp(phase, gait.wrenches(index, times)))
-        parts["com"].append(com)
-        parts["torque"].append(gait.torques(index, times))
-        parts["inside"].append(inside(hull(contact_points(biped, phase)), com))
-        parts["single"].append(np.full(_SAMPLES, not phase.double))
-    stacked = {key: np.concatenate(value, axis=-1) for key, value in parts.items()}
-    return _Traces(names, **stacked)
+
+def _largest(samples: Samples, joints: list[int]) -> tuple[int, int, float]:
+    """Instant, joint and size of the largest torque of some joints, N·m."""
+    torque = np.abs(samples.torque[:, joints])
+    instant, joint = (int(k) for k in np.unravel_index(int(torque.argmax()), torque.shape))
+    return instant, joints[joint], float(torque[instant, joint])
 
 
 def paper_claims(static: Gait, dynamic: Gait, robot: Robot) -> list[Claim]:
@@ -74,8 +64,11 @@ def paper_claims(static: Gait, dynamic: Gait, robot: Robot) -> list[Claim]:
         dynamic: the fast gait.
         robot: the robot of both.
     """
-    slow, fast = _traces(static, robot), _traces(dynamic, robot)
-    away = [float(np.sqrt(np.mean(np.sum((t.zmp - t.com) ** 2, axis=0)))) * 1e3 for t in (slow, fast)]
+    biped, legs = biped_from(robot), robot.legs
+    slow, fast = (
+        UnrolledGait(gait, robot, 1).at(np.linspace(0.0, gait.duration, _SAMPLES)) for gait in (static, dynamic)
+    )
+    away = [float(np.sqrt(np.mean(np.sum((t.zmp - t.com[:, :2]) ** 2, axis=1)))) * 1e3 for t in (slow, fast)]
     found = [
         Claim(
             "static walking: the ZMP overlaps with the CoG",
@@ -84,7 +77,7 @@ def paper_claims(static: Gait, dynamic: Gait, robot: Robot) -> list[Claim]:
         )
     ]
     margin = verify(dynamic, robot, 200).hull_margin
-    outside = -1e3 * float(fast.inside.min())
+    outside = -1e3 * float(_inside(fast, biped).min())
     found.append(
         Claim(
             "dynamic walking: the CoG leaves the stable region, the ZMP stays inside",
@@ -92,33 +85,24 @@ def paper_claims(static: Gait, dynamic: Gait, robot: Robot) -> list[Claim]:
             outside > 0.0 and margin > 0.0,
         )
     )
-    inside = 1e3 * float(slow.inside.min())
-    found.append(Claim("static walking: the CoG stays inside", f"at least {inside:.1f} mm inside", inside > 0.0))
-    names = list(robot.joint_names)
-    for kind, trace, wanted in (("static", slow, ("knee",)), ("dynamic", fast, ("ankle_roll", "ankle_pitch"))):
-        place = np.unravel_index(int(np.argmax(np.abs(trace.torque))), trace.torque.shape)
-        joint, phase = names[int(place[0])], trace.phase[int(place[1])]
-        value = float(np.abs(trace.torque[place]))
-        said = "the support knee" if kind == "static" else "the support ankle"
-        found.append(
-            Claim(
-                f"{kind} walking: the largest torque is in {said}",
-                f"{joint}, {value:.1f} N·m, in {phase}",
-                joint.endswith(wanted),
-            )
-        )
-    yaw = [k for k, name in enumerate(names) if name.endswith("hip_yaw")]
-    for kind, trace in (("static", slow), ("dynamic", fast)):
-        peak = float(np.abs(trace.torque[yaw]).max())
-        place = np.unravel_index(int(np.argmax(np.abs(trace.torque[yaw]))), (len(yaw), trace.torque.shape[1]))
-        text = f"peak {peak:.2f} N·m in {trace.phase[int(place[1])]}"
+    depth = 1e3 * float(_inside(slow, biped).min())
+    found.append(Claim("static walking: the CoG stays inside", f"at least {depth:.1f} mm inside", depth > 0.0))
+    knees, ankles = {leg.knee for leg in legs}, {joint for leg in legs for joint in (leg.ankle_roll, leg.ankle_pitch)}
+    yaw = _yaw_joints(robot)
+    for kind, samples, said, wanted in (("static", slow, "knee", knees), ("dynamic", fast, "ankle", ankles)):
+        instant, joint, value = _largest(samples, list(range(len(robot.joint_names))))
+        text = f"{robot.joint_names[joint]}, {value:.1f} N·m, in {samples.phases[instant].name}"
+        found.append(Claim(f"{kind} walking: the largest torque is in the support {said}", text, joint in wanted))
+    for kind, samples in (("static", slow), ("dynamic", fast)):
+        instant, _, value = _largest(samples, yaw)
+        text = f"peak {value:.2f} N·m in {samples.phases[instant].name}"
         text += " (the paper: 12 N·m, from single to double support)" if kind == "dynamic" else ""
-        found.append(Claim(f"{kind} walking: the hip yaw torque is not zero", text, peak > 0.1))
+        found.append(Claim(f"{kind} walking: the hip yaw torque is not zero", text, value > 0.1))
     for kind, gait in (("static", static), ("dynamic", dynamic)):
         jump = verify(gait, robot, 100).torque_jump
         text = f"largest jump {jump:.1e} N·m"
         found.append(Claim(f"{kind} walking: torques are continuous and smooth", text, jump < 0.01))
-    lean = [float(np.ptp(t.com[1])) * 1e3 for t in (slow, fast)]
+    lean = [float(np.ptp(t.com[:, 1])) * 1e3 for t in (slow, fast)]
     text = f"CoG sways {lean[0]:.1f} mm static, {lean[1]:.1f} mm dynamic"
     found.append(Claim("lateral motion matters more in static walking", text, lean[0] > lean[1]))
     return found
