@@ -13,6 +13,7 @@ from typing import Any
 import gaitsmith
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.experiments.limits import QUANTITIES, Finding, Limit, shown
+from gaitsmith.experiments.push_grid import momentum_unit
 from gaitsmith.experiments.result import Progress, Result, silent
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation, Summary
@@ -20,8 +21,8 @@ from gaitsmith.simulation.scenario import make_scenario
 
 ALLOCATION_TICKS = 10_000
 _ALLOCATION_TIME = ALLOCATION_TICKS * 1e-3 + 1.0  # s
-_SPEEDS = (0.0, 0.2, 0.5, 0.3, 0.0, -0.2, 0.0)  # m/s, in equal parts of the run
-_PUSH = 0.375  # N·s per kg: 15 N·s for 40 kg
+_SPEEDS = (0.0, 0.08, 0.19, 0.11, 0.0, -0.08, 0.0)  # of √(gH), in equal parts of the run
+_PUSH = 0.14  # of mass times √(gH)
 _PUSH_EVERY, _TURN = 2.0, 135.0  # s and degrees from one push to the next
 _START = (
     "import sys, gaitsmith;"
@@ -72,7 +73,7 @@ def measure_tick(
             elif what == "start":
                 findings.append(("compiled before", _finding("start_up", start_up(robot, preset))))
             else:
-                scenario = walk if what == "walking" else _pushed(walk, loaded.mass)
+                scenario = walk if what == "walking" else _pushed(walk, loaded)
                 episode = Simulation(scenario, robot=loaded).run()
                 findings += _closed_loop(what, episode.summary)
                 document[what.replace(", ", "_")] = episode.summary.model_dump(mode="json", exclude={"stages"})
@@ -111,7 +112,8 @@ def _walk(loaded: Robot, robot: str, preset: str, duration: float) -> Scenario:
     """A walk through speeds that the card allows."""
     low, high = loaded.card.gait_limits.speed_x
     each = (duration - 1.0) / len(_SPEEDS)
-    speeds = [min(max(speed, low), high) for speed in _SPEEDS]
+    unit = momentum_unit(loaded, loaded.card.gait.height) / loaded.mass
+    speeds = [round(min(max(unit * speed, low), high), 3) for speed in _SPEEDS]
     return make_scenario(
         {
             "robot": robot,
@@ -125,12 +127,12 @@ def _walk(loaded: Robot, robot: str, preset: str, duration: float) -> Scenario:
     )
 
 
-def _pushed(walk: Scenario, mass: float) -> Scenario:
+def _pushed(walk: Scenario, loaded: Robot) -> Scenario:
     """The same walk with pushes from all sides."""
-    pushes = []
+    pushes, size = [], _PUSH * momentum_unit(loaded, loaded.card.gait.height)
     for k in range(int((walk.duration - 3.0) / _PUSH_EVERY)):
         angle = math.radians(_TURN * k)
-        impulse = [round(_PUSH * mass * math.cos(angle), 6), round(_PUSH * mass * math.sin(angle), 6), 0.0]
+        impulse = [round(size * math.cos(angle), 6), round(size * math.sin(angle), 6), 0.0]
         pushes.append({"time": 3.0 + _PUSH_EVERY * k, "impulse": impulse})
     return make_scenario({**walk.model_dump(mode="json", exclude_none=True), "pushes": pushes})
 
