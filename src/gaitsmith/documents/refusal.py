@@ -9,9 +9,12 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from gaitsmith.documents.about import VALID_NAME, check_name
 from gaitsmith.errors import BadInput
 
 _OWN = "value_error"
+_KINDS = {bool: "true or false", int: "a whole number", float: "a finite number"}
+_NOUNS = {int: "numbers", float: "numbers", str: "texts"}
 
 
 def refusal(error: ValidationError, model: type[BaseModel], source: str = "") -> BadInput:
@@ -89,16 +92,15 @@ def _valid(hint: Any, limits: tuple[Any, ...]) -> str:
         return f"one of {', '.join(str(item) for item in get_args(hint))}"
     if get_origin(hint) is tuple:
         inside = get_args(hint)
-        return f"a list{_count(limits)} tables" if inside[-1] is Ellipsis else f"a list of {len(inside)} numbers"
+        of = "rows" if get_origin(plain(inside[0])[0]) is tuple else _NOUNS.get(plain(inside[0])[0], "tables")
+        return f"a list{_count(limits)} {of}" if inside[-1] is Ellipsis else f"a list of {len(inside)} {of}"
     pattern = _limit(limits, "pattern")
     if pattern is not None:
         return f"text that matches {pattern}"
     if hint is str:
-        return f"text{_count(limits)} characters" if _count(limits) else "text"
-    names = {bool: "true or false", int: "a whole number", float: "a finite number"}
-    if hint not in names:
-        return "a table"
-    return names[hint] + span(limits)
+        named = any(getattr(item, "func", None) is check_name for item in limits)
+        return VALID_NAME if named else f"text{_count(limits)} characters" if _count(limits) else "text"
+    return _KINDS.get(hint, "a table") + span(limits)
 
 
 def span(limits: tuple[Any, ...]) -> str:
@@ -124,4 +126,6 @@ def _count(limits: tuple[Any, ...]) -> str:
     low, high = _limit(limits, "min_length"), _limit(limits, "max_length")
     if low is None and high is None:
         return ""
+    if low == high:
+        return f" of {low}"
     return f" of {low or 0} to {high}" if high is not None else f" of at least {low}"

@@ -1,54 +1,113 @@
-"""A gait from the entries of its file: every type, range, time and curve is checked before anything is computed."""
+"""The entries of a gait file as types: every range, time and curve is checked before anything is computed."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import ValidationError
+from pydantic import AfterValidator, Field, create_model, model_validator
 
+from gaitsmith.documents import Name, checked
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.gaits.entries import flag, integer, mapping, number, pair, sequence, table, text, word
+from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, Piece
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase
 from gaitsmith.synthesis.motions.settings import Bounds
 
 Array = npt.NDArray[np.float64]
-JOINTS = 200
-PHASES, SECTIONS = 10_000, 1_000  # of a motion, of a phase
-COEFFICIENTS = 200
 SHORTEST, LONGEST_PHASE, LONGEST = 1e-5, 60.0, 3600.0  # s
-FURTHEST = 1e3  # m, of a foothold
 LARGEST = {"angle": 1e3, "velocity": 1e5, "acceleration": 1e8, "torque": 1e5, "wrench": 1e6}
 _UNITS = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s²", "torque": "N·m", "wrench": "N and N·m"}
-_PARAMETER = 1e6
 _CLOCK = 1e-6  # s by which times may disagree
-_KEYS = (
-    "robot",
-    "robot_hash",
-    "motion",
-    "cyclic",
-    "order",
-    "parameters",
-    "bounds",
-    "joints",
-    "phases",
-    "conditions",
-    "solver",
-    "certificate",
-)
-_PHASE_KEYS = (
-    "name",
-    "duration",
-    "support",
-    "contact",
-    "foothold",
-    "other_foothold",
-    "limits",
-    "sections",
-)
+
+
+def _quantity(name: str) -> str:
+    if name not in QUANTITIES:
+        raise ValueError(f"one of {', '.join(QUANTITIES)}")
+    return name
+
+
+QuantityName = Annotated[str, AfterValidator(_quantity)]
+Number = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
+Amount = Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]  # m, m/s or the sine of an angle
+Place = tuple[Amount, Amount]
+_Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE, allow_inf_nan=False)]
+_Coefficient = Annotated[float, Field(allow_inf_nan=False)]
+_Row = Annotated[tuple[_Coefficient, ...], Field(min_length=1, max_length=200)]
+_Table = Annotated[tuple[_Row, ...], Field(max_length=200)]
+
+
+class Range(Parameters):
+    """Bounds on a quantity, at least one of them."""
+
+    low: Amount | None
+    high: Amount | None
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Range:
+        if self.low is None and self.high is None:
+            raise ValueError("a number for at least one of the two bounds")
+        if self.low is not None and self.high is not None and self.low > self.high:
+            raise ValueError("a lower bound that is not above the upper one")
+        return self
+
+    def limit(self, quantity: str) -> Limit:
+        """The bounds on a quantity; one that is not given is infinite."""
+        return Limit(quantity, -np.inf if self.low is None else self.low, np.inf if self.high is None else self.high)
+
+
+class _LimitEntry(Range):
+    quantity: QuantityName
+
+
+class _Section(Parameters):
+    start: Annotated[float, Field(ge=0.0, le=LONGEST + _CLOCK, allow_inf_nan=False)]
+    duration: _Duration
+    joints: _Table
+    torque: _Table
+    wrench: Annotated[tuple[_Row, ...], Field(min_length=CHANNELS, max_length=CHANNELS)]
+
+
+class _PhaseEntry(Parameters):
+    name: Name
+    duration: _Duration
+    support: Literal["left", "right"]
+    contact: Literal["air", "flat", "heel", "toe"]
+    foothold: Place
+    other_foothold: Place | None
+    limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=len(QUANTITIES))]
+    sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
+
+
+class _Condition(Parameters):
+    border: Annotated[int, Field(ge=0)]
+    quantity: QuantityName
+    value: Amount
+
+
+class GaitEntries(Parameters):
+    """A gait file, less what :mod:`gaitsmith.synthesis.gaits.gait_file` checks itself."""
+
+    robot: Name
+    robot_hash: Name
+    motion: Name
+    cyclic: bool
+    order: Literal[4, 5]
+    parameters: dict[Name, Number]
+    # A default would hide what a gait was planned for.
+    bounds: create_model(  # type: ignore[valid-type]
+        "AllBounds",
+        __base__=Bounds,
+        **{name: (Annotated[(field.annotation, *field.metadata)], ...) for name, field in Bounds.model_fields.items()},
+    )
+    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]
+    phases: Annotated[tuple[_PhaseEntry, ...], Field(min_length=1, max_length=10_000)]
+    conditions: Annotated[tuple[_Condition, ...], Field(max_length=1_000_000)]
+    solver: dict[str, Any]
+    certificate: dict[str, Any]
 
 
 def gait_from(document: dict[str, Any]) -> Gait:
@@ -57,80 +116,68 @@ def gait_from(document: dict[str, Any]) -> Gait:
     Raises:
         BadInput: an entry is missing, of another type, out of range, or disagrees with the others.
     """
-    mapping(document, "", _KEYS)
-    names = tuple(
-        text(name, f"joints[{k}]") for k, name in enumerate(sequence(document["joints"], "joints", 1, JOINTS))
-    )
-    if len(set(names)) != len(names):
-        raise BadInput("joints", next(name for name in names if names.count(name) > 1), "names that all differ")
+    entries = checked(GaitEntries, document)
+    joints = entries.joints
+    if len(set(joints)) != len(joints):
+        raise BadInput("joints", next(name for name in joints if joints.count(name) > 1), "names that all differ")
     phases, groups, clock = [], [], 0.0
-    for index, item in enumerate(sequence(document["phases"], "phases", 1, PHASES)):
-        phase, pieces = _phase(item, f"phases[{index}]", clock, len(names))
-        phases.append(phase)
-        groups.append(pieces)
-        clock += phase.duration
+    for index, item in enumerate(entries.phases):
+        groups.append(_pieces(item, f"phases[{index}].sections", clock, len(joints)))
+        limits = tuple(limit.limit(limit.quantity) for limit in item.limits)
+        where = (item.support, item.contact, item.foothold, item.other_foothold)
+        phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits))
+        clock += item.duration
     if clock > LONGEST:
         raise BadInput("phases", f"{clock:.6g} s", f"at most {LONGEST:g} s in all")
-    cyclic = flag(document["cyclic"], "cyclic")
-    check_contacts(tuple(phases), cyclic, ("foothold", "other_foothold"))
-    parameters = mapping(document["parameters"], "parameters")
+    check_contacts(tuple(phases), entries.cyclic, ("foothold", "other_foothold"))
+    for index, condition in enumerate(entries.conditions):
+        if condition.border > len(phases):
+            raise BadInput(f"conditions[{index}].border", condition.border, f"a whole number from 0 to {len(phases)}")
+    conditions = tuple(At(item.border, item.quantity, item.value) for item in entries.conditions)
     return Gait(
-        robot=text(document["robot"], "robot"),
-        robot_hash=text(document["robot_hash"], "robot_hash"),
-        joint_names=names,
-        motion=Motion(
-            text(document["motion"], "motion"),
-            tuple(phases),
-            _conditions(document["conditions"], len(phases)),
-            cyclic,
-            {key: number(value, f"parameters.{key}", -_PARAMETER, _PARAMETER) for key, value in parameters.items()},
-        ),
+        robot=entries.robot,
+        robot_hash=entries.robot_hash,
+        joint_names=joints,
+        motion=Motion(entries.motion, tuple(phases), conditions, entries.cyclic, entries.parameters),
         pieces=tuple(groups),
-        bounds=_bounds(document["bounds"]),
-        order=integer(document["order"], "order", 4, 5),
-        solver=mapping(document["solver"], "solver"),
-        certificate=mapping(document["certificate"], "certificate"),
+        bounds=entries.bounds.model_dump(),
+        order=entries.order,
+        solver=entries.solver,
+        certificate=entries.certificate,
     )
 
 
-def _phase(item: object, field: str, clock: float, joints: int) -> tuple[Phase, tuple[Piece, ...]]:
-    """One phase that begins at ``clock``, and its sections."""
-    item = mapping(item, field, _PHASE_KEYS)
-    duration = number(item["duration"], f"{field}.duration", SHORTEST, LONGEST_PHASE)
-    other = item["other_foothold"]
-    pieces, start = [], clock
-    for k, section in enumerate(sequence(item["sections"], f"{field}.sections", 1, SECTIONS)):
-        pieces.append(_piece(section, f"{field}.sections[{k}]", start, joints))
-        start += pieces[-1].duration
-    if abs(start - clock - duration) > _CLOCK:
-        raise BadInput(f"{field}.sections", f"{start - clock:.6g} s", f"{duration:.6g} s, the phase's duration")
-    phase = Phase(
-        name=text(item["name"], f"{field}.name"),
-        duration=duration,
-        support=word(item["support"], f"{field}.support", ("left", "right")),
-        contact=word(item["contact"], f"{field}.contact", ("air", "flat", "heel", "toe")),
-        foothold=pair(item["foothold"], f"{field}.foothold", FURTHEST),
-        other=None if other is None else pair(other, f"{field}.other_foothold", FURTHEST),
-        sections=len(pieces),
-        limits=_limits(item["limits"], f"{field}.limits"),
-    )
-    return phase, tuple(pieces)
+def _pieces(phase: _PhaseEntry, field: str, clock: float, joints: int) -> tuple[Piece, ...]:
+    """The sections of a phase that begins at ``clock``, s."""
+    found, start = [], clock
+    for k, section in enumerate(phase.sections):
+        place = f"{field}[{k}]"
+        if abs(section.start - start) > _CLOCK:
+            raise BadInput(f"{place}.start", section.start, f"{start:.6g}, where the section before ends")
+        piece = Piece(
+            section.start,
+            section.duration,
+            _table(section.joints, joints, 3, f"{place}.joints"),
+            _table(section.torque, joints, 1, f"{place}.torque"),
+            _table(section.wrench, CHANNELS, 1, f"{place}.wrench"),
+        )
+        _check_curves(piece, place)
+        found.append(piece)
+        start += section.duration
+    if abs(start - clock - phase.duration) > _CLOCK:
+        raise BadInput(field, f"{start - clock:.6g} s", f"{phase.duration:.6g} s, the phase's duration")
+    return tuple(found)
 
 
-def _piece(section: object, field: str, start: float, joints: int) -> Piece:
-    section = mapping(section, field, ("start", "duration", "joints", "torque", "wrench"))
-    given = number(section["start"], f"{field}.start", 0.0, LONGEST + _CLOCK)
-    if abs(given - start) > _CLOCK:
-        raise BadInput(f"{field}.start", given, f"{start:.6g}, where the section before ends")
-    piece = Piece(
-        given,
-        number(section["duration"], f"{field}.duration", SHORTEST, LONGEST_PHASE),
-        table(section["joints"], joints, 3, COEFFICIENTS, f"{field}.joints"),
-        table(section["torque"], joints, 1, COEFFICIENTS, f"{field}.torque"),
-        table(section["wrench"], CHANNELS, 1, COEFFICIENTS, f"{field}.wrench"),
-    )
-    _check_curves(piece, field)
-    return piece
+def _table(rows: Sequence[Sequence[float]], count: int, least: int, field: str) -> Array:
+    """(count, m) numbers, at least ``least`` in every row, and equally many."""
+    if len(rows) != count:
+        raise BadInput(field, f"{len(rows)} rows", f"{count} rows of numbers")
+    for index, row in enumerate(rows):
+        if len(row) != len(rows[0]) or len(row) < least:
+            valid = f"{max(len(rows[0]), least)} or more numbers, the same in every row"
+            raise BadInput(f"{field}[{index}]", f"{len(row)} numbers", valid)
+    return np.array(rows, dtype=np.float64)
 
 
 def _check_curves(piece: Piece, field: str) -> None:
@@ -155,49 +202,3 @@ def _check_curves(piece: Piece, field: str) -> None:
             if not largest[row] <= LARGEST[name]:
                 valid = f"at most {LARGEST[name]:g} {_UNITS[name]}, the sizes of its terms added"
                 raise BadInput(f"{field}.{key}[{row}]: {name}", f"up to {largest[row]:.3g}", valid)
-
-
-def _limits(value: object, field: str) -> tuple[Limit, ...]:
-    found = []
-    for k, entry in enumerate(sequence(value, field, 0, len(QUANTITIES))):
-        place = f"{field}[{k}]"
-        item = mapping(entry, place, ("quantity", "low", "high"))
-        low, high = (
-            None if item[key] is None else number(item[key], f"{place}.{key}", -FURTHEST, FURTHEST)
-            for key in ("low", "high")
-        )
-        if low is None and high is None:
-            raise BadInput(place, "neither low nor high", "a number for at least one of them")
-        if low is not None and high is not None and low > high:
-            raise BadInput(place, f"low {low:g} and high {high:g}", "low that is not above high")
-        quantity = word(item["quantity"], f"{place}.quantity", QUANTITIES)
-        found.append(Limit(quantity, -np.inf if low is None else low, np.inf if high is None else high))
-    return tuple(found)
-
-
-def _conditions(value: object, phases: int) -> tuple[At, ...]:
-    found = []
-    for k, entry in enumerate(sequence(value, "conditions", 0, 100 * PHASES)):
-        place = f"conditions[{k}]"
-        item = mapping(entry, place, ("border", "quantity", "value"))
-        border = integer(item["border"], f"{place}.border", 0, phases)
-        quantity = word(item["quantity"], f"{place}.quantity", QUANTITIES)
-        found.append(At(border, quantity, number(item["value"], f"{place}.value", -FURTHEST, FURTHEST)))
-    return tuple(found)
-
-
-def _bounds(value: object) -> dict[str, float]:
-    """Bounds as numbers, all of them given: a default would hide what a gait was planned for."""
-    known = Bounds.model_fields
-    given = mapping(value, "bounds", known)
-    for key in given:
-        if key not in known:
-            raise BadInput(f"bounds.{key}", given[key], f"one of {', '.join(known)}")
-    found = {key: number(given[key], f"bounds.{key}", 0.0, 100.0) for key in known}
-    try:
-        Bounds.model_validate(found)
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False)[0]
-        key = str(first["loc"][0])
-        raise BadInput(f"bounds.{key}", found[key], first["msg"].removeprefix("Input should be ")) from None
-    return found

@@ -120,9 +120,10 @@ def read_gait(path: str | Path, allow_edited: bool = False) -> tuple[Gait, bool]
     if not intact and not allow_edited:
         raise BadInput(f"{shown}: checksum", document.get("checksum"), "the content's own", f"edited; {_REMEDY}")
     try:
-        return gait_from(document), intact
+        entries = {key: value for key, value in document.items() if key not in ("format", "version", "checksum")}
+        return gait_from(entries), intact
     except BadInput as error:
-        raise BadInput(f"{shown}: {error.field}", error.value, error.valid, error.remedy or _REMEDY) from None
+        raise BadInput(error.field, error.value, error.valid, error.remedy or _REMEDY).within(shown) from None
 
 
 def require_robot(gait: Gait, robot: Robot) -> None:

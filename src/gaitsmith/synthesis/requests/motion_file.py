@@ -8,14 +8,15 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
+from gaitsmith.synthesis.gaits.gait_entries import Amount, Place, QuantityName, Range
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Same, State
+from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.requests.request import REST, Answer
 from gaitsmith.synthesis.solution.ipopt import Progress
@@ -24,14 +25,10 @@ from gaitsmith.synthesis.solution.plan import Planner
 PHASES, SECTIONS = 60, 120  # of a motion
 _REPORT = Callable[[str, int, Progress], None]
 Array = npt.NDArray[np.float64]
-Amount = Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]  # m, m/s or the sine of an angle
-Place = tuple[Amount, Amount]
 
 
-class _Range(BaseModel):
-    """Bounds on a quantity."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
+class _Range(Range):
+    """Bounds on a quantity as written."""
 
     low: Annotated[Amount | None, Field(alias="min")] = None
     high: Annotated[Amount | None, Field(alias="max")] = None
@@ -47,7 +44,7 @@ class _PhaseText(Parameters):
     support_at: Place
     other_at: Place | None = None
     sections: Annotated[int, Field(ge=1, le=20)] = 1
-    limits: dict[str, _Range] = Field(default_factory=dict)
+    limits: dict[QuantityName, _Range] = Field(default_factory=dict)
 
 
 class _ConditionText(Parameters):
@@ -57,7 +54,7 @@ class _ConditionText(Parameters):
     rest: bool = False
     standing: bool = False
     same_as: str | None = None
-    values: dict[str, Amount] = Field(default_factory=dict)
+    values: dict[QuantityName, Amount] = Field(default_factory=dict)
 
 
 class MotionText(Parameters):
@@ -102,7 +99,7 @@ def _motion(text: MotionText, biped: Biped) -> Motion:
     sections = sum(phase.sections for phase in text.phases)
     if sections > SECTIONS:
         raise BadInput("phases", f"{sections} sections", f"at most {SECTIONS} sections in all phases together")
-    phases = tuple(_phase(item, f"phases[{index}]") for index, item in enumerate(text.phases))
+    phases = tuple(map(_phase, text.phases))
     check_contacts(phases, text.cyclic, ("support_at", "other_at"))
     _check_footholds(phases, biped, text.settings.bounds.foot_gap)
     rest = None
@@ -121,28 +118,10 @@ def _standing(biped: Biped, height: float | None) -> Array:
         raise BadInput("standing_height", error.value, error.valid, error.remedy) from None
 
 
-def _phase(item: _PhaseText, field: str) -> Phase:
-    limits = []
-    for name, value in item.limits.items():
-        place = f"{field}.limits.{name}"
-        if name not in QUANTITIES:
-            raise BadInput(place, name, f"one of {', '.join(QUANTITIES)}")
-        if value.low is None and value.high is None:
-            raise BadInput(place, "nothing", "min, max, or both")
-        if value.low is not None and value.high is not None and value.low > value.high:
-            raise BadInput(place, f"min {value.low:g} and max {value.high:g}", "min that is not above max")
-        low, high = (-np.inf if value.low is None else value.low), (np.inf if value.high is None else value.high)
-        limits.append(Limit(name, low, high))
-    return Phase(
-        item.name,
-        item.duration,
-        item.support,
-        item.contact,
-        item.support_at,
-        item.other_at,
-        item.sections,
-        tuple(limits),
-    )
+def _phase(item: _PhaseText) -> Phase:
+    limits = tuple(value.limit(name) for name, value in item.limits.items())
+    where = (item.support, item.contact, item.support_at, item.other_at)
+    return Phase(item.name, item.duration, *where, item.sections, limits)
 
 
 def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:
@@ -162,11 +141,7 @@ def _conditions(
 ) -> list[At | State | Same]:
     """What one entry asks for."""
     border = _border(item.after, names, f"{field}.after")
-    found: list[At | State | Same] = []
-    for quantity, value in item.values.items():
-        if quantity not in QUANTITIES:
-            raise BadInput(f"{field}.values.{quantity}", quantity, f"one of {', '.join(QUANTITIES)}")
-        found.append(At(border, quantity, value))
+    found: list[At | State | Same] = [At(border, quantity, value) for quantity, value in item.values.items()]
     if item.rest or item.standing:
         found.append(State(border, rest if item.standing else None, np.zeros(joints)))
     if item.same_as is not None:
