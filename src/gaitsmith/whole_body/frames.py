@@ -3,136 +3,105 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector, kernel
-from gaitsmith.dynamics.algorithms import update_dynamics
+from gaitsmith.compiled import Cube, Matrix, Vector, kernel
 from gaitsmith.dynamics.points import point_bias, point_jacobian
-from gaitsmith.dynamics.tree import Tree, TreeState, make_tree_state
-
-if TYPE_CHECKING:
-    from gaitsmith.robots import Robot
-
-
-class Legs(NamedTuple):
-    """Constants of both legs (row 0 left, row 1 right) and of the torso.
-
-    Attributes:
-        torso: (1,) body id.
-        hip_midpoint: (3,) torso frame, m.
-        sole_body: (2,) body ids.
-        sole_position: (2, 3) sole frame's origin in its body, m.
-        sole_rotation: (2, 3, 3) sole frame to body.
-        joints: (2, n_leg) joint indices, hip to ankle.
-        knee: (2,) joint indices.
-        ankle_pitch: (2,) joint indices.
-        ankle_sign: (2,) +1 if a positive ankle torque presses the toe down.
-        heel: (2,) m, behind the sole frame's origin.
-        toe: (2,) m, ahead of it.
-        half_width: (2,) m; 0 for a line sole.
-        leg_of_joint: (nj,) 0 left, 1 right, -1 neither.
-    """
-
-    torso: IntVector
-    hip_midpoint: Vector
-    sole_body: IntVector
-    sole_position: Matrix
-    sole_rotation: Cube
-    joints: IntMatrix
-    knee: IntVector
-    ankle_pitch: IntVector
-    ankle_sign: Vector
-    heel: Vector
-    toe: Vector
-    half_width: Vector
-    leg_of_joint: IntVector
+from gaitsmith.dynamics.rotation import heading_to_world, world_to_heading
+from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.whole_body.legs import Legs
 
 
 class Frames(NamedTuple):
-    """Kinematics of one tick.
+    """Kinematics of one tick; n soles. *Heading* is the world turned by the torso's yaw.
 
     Attributes:
-        heading: (4,) yaw (rad), cos yaw, sin yaw, yaw rate (rad/s).
-        tilt: (4,) torso roll, pitch (rad), roll rate, pitch rate (rad/s), about the heading axes.
-        hip_position: (3,) world.
-        hip_jacobian: (6, nv), spatial.
+        yaw: (1,) of the torso, rad.
+        cos_yaw: (1,).
+        sin_yaw: (1,).
+        yaw_rate: (1,) rad/s.
+        tilt: (2,) torso roll and pitch, rad.
+        tilt_rate: (2,) about the heading axes, rad/s.
+        torso_spin: (3,) angular velocity of the torso, world axes, rad/s.
+        hip_position: (3,) world, m.
+        hip_velocity: (3,) world, m/s.
+        hip_jacobian: (6, nv) spatial.
         hip_bias: (6,).
-        sole_position: (2, 3) world.
-        sole_rotation: (2, 3, 3) sole to world.
-        sole_jacobian: (2, 6, nv), spatial.
-        sole_bias: (2, 6).
-        relative: (2, 2, 3) per leg position and velocity of the sole, hip midpoint, heading frame.
-        sole_pitch: (2,) pitch of the sole against the horizontal, heading frame, toe down positive, rad.
-        contact_rotation: (2, 3, 3) contact frame to world: x along the sole; a line sole does not fix the roll.
+        sole_position: (n, 3) world, m.
+        sole_rotation: (n, 3, 3) sole to world.
+        sole_twist: (n, 6) velocity and angular velocity, world axes.
+        sole_jacobian: (n, 6, nv) spatial.
+        sole_bias: (n, 6).
+        sole_pitch: (n,) against the horizontal, heading frame, toe down positive, rad.
+        sole_yaw: (n,) against the heading, rad.
+        relative_position: (n, 3) sole relative to the hip midpoint, heading frame, m.
+        relative_velocity: (n, 3) m/s.
         com_velocity: (3,) heading frame, m/s.
-        point: (3,) scratch.
+        com_offset: (2,) CoM relative to the hip midpoint, heading frame, m.
     """
 
-    heading: Vector
+    yaw: Vector
+    cos_yaw: Vector
+    sin_yaw: Vector
+    yaw_rate: Vector
     tilt: Vector
+    tilt_rate: Vector
+    torso_spin: Vector
     hip_position: Vector
+    hip_velocity: Vector
     hip_jacobian: Matrix
     hip_bias: Vector
     sole_position: Matrix
     sole_rotation: Cube
+    sole_twist: Matrix
     sole_jacobian: Cube
     sole_bias: Matrix
-    relative: Cube
     sole_pitch: Vector
-    contact_rotation: Cube
+    sole_yaw: Vector
+    relative_position: Matrix
+    relative_velocity: Matrix
     com_velocity: Vector
-    point: Vector
+    com_offset: Vector
 
 
-def make_legs(robot: Robot, tree: Tree) -> Legs:
-    """Kernel form of a robot's legs."""
-    legs = robot.legs
-    state = make_tree_state(tree)
-    jacobian = np.zeros((6, robot.model.nv))
-    update_dynamics(tree, state, np.array(robot.model.qpos0), np.zeros(robot.model.nv))
-    leg_of_joint = np.full(len(robot.joint_names), -1, dtype=np.int64)
-    signs = []
-    for row, leg in enumerate(legs):
-        leg_of_joint[leg.joint_indices] = row
-        point_jacobian(tree, state, leg.sole_body, np.zeros(3), jacobian)
-        signs.append(math.copysign(1.0, jacobian[4, 6 + leg.ankle_pitch]))
-    return Legs(
-        torso=np.array([robot.torso_body]),
-        hip_midpoint=np.asarray(robot.hip_midpoint),
-        sole_body=np.array([leg.sole_body for leg in legs]),
-        sole_position=np.array([leg.sole_position for leg in legs]),
-        sole_rotation=np.array([leg.sole_rotation for leg in legs]),
-        joints=np.array([leg.joint_indices for leg in legs]),
-        knee=np.array([leg.knee for leg in legs]),
-        ankle_pitch=np.array([leg.ankle_pitch for leg in legs]),
-        ankle_sign=np.array(signs),
-        heel=np.array([leg.sole.heel for leg in legs]),
-        toe=np.array([leg.sole.toe for leg in legs]),
-        half_width=np.array([leg.sole.half_width for leg in legs]),
-        leg_of_joint=leg_of_joint,
-    )
-
-
-def make_frames(nv: int) -> Frames:
-    """Storage for a robot with ``nv`` degrees of freedom."""
+def make_frames(nv: int, n_soles: int) -> Frames:
+    """Storage for a robot with ``nv`` degrees of freedom and ``n_soles`` soles."""
+    n = n_soles
     return Frames(
-        heading=np.zeros(4),
-        tilt=np.zeros(4),
+        *(np.zeros(1) for _ in range(4)),
+        tilt=np.zeros(2),
+        tilt_rate=np.zeros(2),
+        torso_spin=np.zeros(3),
         hip_position=np.zeros(3),
+        hip_velocity=np.zeros(3),
         hip_jacobian=np.zeros((6, nv)),
         hip_bias=np.zeros(6),
-        sole_position=np.zeros((2, 3)),
-        sole_rotation=np.zeros((2, 3, 3)),
-        sole_jacobian=np.zeros((2, 6, nv)),
-        sole_bias=np.zeros((2, 6)),
-        relative=np.zeros((2, 2, 3)),
-        sole_pitch=np.zeros(2),
-        contact_rotation=np.zeros((2, 3, 3)),
+        sole_position=np.zeros((n, 3)),
+        sole_rotation=np.zeros((n, 3, 3)),
+        sole_twist=np.zeros((n, 6)),
+        sole_jacobian=np.zeros((n, 6, nv)),
+        sole_bias=np.zeros((n, 6)),
+        sole_pitch=np.zeros(n),
+        sole_yaw=np.zeros(n),
+        relative_position=np.zeros((n, 3)),
+        relative_velocity=np.zeros((n, 3)),
         com_velocity=np.zeros(3),
-        point=np.zeros(3),
+        com_offset=np.zeros(2),
     )
+
+
+@kernel
+def to_heading(frames: Frames, x: float, y: float, out: Vector) -> None:
+    """A horizontal world vector in the heading frame, into the first two entries of ``out``."""
+    out[0], out[1] = world_to_heading(frames.cos_yaw[0], frames.sin_yaw[0], x, y)
+
+
+@kernel
+def to_world(frames: Frames, x: float, y: float, out: Vector) -> None:
+    """A horizontal vector of the heading frame in the world, into the first two entries of ``out``."""
+    out[0], out[1] = heading_to_world(frames.cos_yaw[0], frames.sin_yaw[0], x, y)
 
 
 @kernel
@@ -143,75 +112,61 @@ def _attach(rotation: Matrix, position: Vector, local: Vector, out: Vector) -> N
 
 
 @kernel
-def _contact_frame(sole: Matrix, half_width: float, out: Matrix) -> None:
-    """Axes that the contact constraints are written in; a line sole is levelled about its own axis."""
+def _observe_torso(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: Frames) -> None:
+    """Heading, tilt and hip midpoint."""
+    torso = state.body_rotation[legs.torso[0]]
+    yaw = math.atan2(torso[1, 0], torso[0, 0])
+    frames.yaw[0], frames.cos_yaw[0], frames.sin_yaw[0] = yaw, math.cos(yaw), math.sin(yaw)
+    frames.tilt[0] = math.atan2(torso[2, 1], torso[2, 2])
+    frames.tilt[1] = math.atan2(-torso[2, 0], math.sqrt(torso[2, 1] ** 2 + torso[2, 2] ** 2))
+    _attach(torso, state.body_position[legs.torso[0]], legs.hip_midpoint, frames.hip_position)
+    point_jacobian(tree, state, legs.torso[0], frames.hip_position, frames.hip_jacobian)
+    point_bias(tree, state, legs.torso[0], frames.hip_position, frames.hip_bias)
+    for i in range(3):
+        speed = spin = 0.0
+        for k in range(v.shape[0]):
+            speed += frames.hip_jacobian[i, k] * v[k]
+            spin += frames.hip_jacobian[3 + i, k] * v[k]
+        frames.hip_velocity[i], frames.torso_spin[i] = speed, spin
+    to_heading(frames, frames.torso_spin[0], frames.torso_spin[1], frames.tilt_rate)
+    frames.yaw_rate[0] = frames.torso_spin[2]
+
+
+@kernel
+def _observe_sole(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: Frames, leg: int) -> None:
+    """Pose, motion and Jacobian of one sole."""
+    body = legs.sole_body[leg]
+    rotation, place = frames.sole_rotation[leg], frames.sole_position[leg]
     for i in range(3):
         for j in range(3):
-            out[i, j] = sole[i, j]
-    if half_width > 0.0:
-        return
-    length = math.sqrt(sole[0, 0] ** 2 + sole[1, 0] ** 2)
-    if length < 1e-6:
-        return
-    out[0, 1] = -sole[1, 0] / length
-    out[1, 1] = sole[0, 0] / length
-    out[2, 1] = 0.0
-    out[0, 2] = out[1, 0] * out[2, 1] - out[2, 0] * out[1, 1]
-    out[1, 2] = out[2, 0] * out[0, 1] - out[0, 0] * out[2, 1]
-    out[2, 2] = out[0, 0] * out[1, 1] - out[1, 0] * out[0, 1]
+            rotation[i, j] = 0.0
+            for k in range(3):
+                rotation[i, j] += state.body_rotation[body, i, k] * legs.sole_rotation[leg, k, j]
+    _attach(state.body_rotation[body], state.body_position[body], legs.sole_position[leg], place)
+    jacobian, twist = frames.sole_jacobian[leg], frames.sole_twist[leg]
+    point_jacobian(tree, state, body, place, jacobian)
+    point_bias(tree, state, body, place, frames.sole_bias[leg])
+    for i in range(6):
+        twist[i] = 0.0
+        for k in range(v.shape[0]):
+            twist[i] += jacobian[i, k] * v[k]
+    ahead, aside = world_to_heading(frames.cos_yaw[0], frames.sin_yaw[0], rotation[0, 0], rotation[1, 0])
+    frames.sole_pitch[leg] = math.atan2(-rotation[2, 0], ahead)
+    frames.sole_yaw[leg] = math.atan2(aside, ahead)
+    hip, speed = frames.hip_position, frames.hip_velocity
+    position, velocity = frames.relative_position[leg], frames.relative_velocity[leg]
+    to_heading(frames, place[0] - hip[0], place[1] - hip[1], position)
+    to_heading(frames, twist[0] - speed[0], twist[1] - speed[1], velocity)
+    position[2], velocity[2] = place[2] - hip[2], twist[2] - speed[2]
 
 
 @kernel
 def observe_frames(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: Frames) -> None:
     """Fill ``frames`` from an updated tree state and the generalised velocity ``v``."""
-    nv = v.shape[0]
-    torso = state.body_rotation[legs.torso[0]]
-    yaw = math.atan2(torso[1, 0], torso[0, 0])
-    cos_yaw, sin_yaw = math.cos(yaw), math.sin(yaw)
-    frames.heading[0], frames.heading[1], frames.heading[2] = yaw, cos_yaw, sin_yaw
-    frames.tilt[0] = math.atan2(torso[2, 1], torso[2, 2])
-    frames.tilt[1] = math.atan2(-torso[2, 0], math.sqrt(torso[2, 1] ** 2 + torso[2, 2] ** 2))
-
-    _attach(torso, state.body_position[legs.torso[0]], legs.hip_midpoint, frames.hip_position)
-    point_jacobian(tree, state, legs.torso[0], frames.hip_position, frames.hip_jacobian)
-    point_bias(tree, state, legs.torso[0], frames.hip_position, frames.hip_bias)
-    rate_x = rate_y = rate_z = 0.0
-    for k in range(nv):
-        rate_x += frames.hip_jacobian[3, k] * v[k]
-        rate_y += frames.hip_jacobian[4, k] * v[k]
-        rate_z += frames.hip_jacobian[5, k] * v[k]
-    frames.tilt[2] = cos_yaw * rate_x + sin_yaw * rate_y
-    frames.tilt[3] = cos_yaw * rate_y - sin_yaw * rate_x
-    frames.heading[3] = rate_z
-
-    for leg in range(2):
-        body = legs.sole_body[leg]
-        rotation = frames.sole_rotation[leg]
-        for i in range(3):
-            for j in range(3):
-                rotation[i, j] = 0.0
-                for k in range(3):
-                    rotation[i, j] += state.body_rotation[body, i, k] * legs.sole_rotation[leg, k, j]
-        place = frames.sole_position[leg]
-        _attach(state.body_rotation[body], state.body_position[body], legs.sole_position[leg], place)
-        jacobian = frames.sole_jacobian[leg]
-        point_jacobian(tree, state, body, place, jacobian)
-        point_bias(tree, state, body, place, frames.sole_bias[leg])
-        _contact_frame(rotation, legs.half_width[leg], frames.contact_rotation[leg])
-        forward = cos_yaw * rotation[0, 0] + sin_yaw * rotation[1, 0]
-        frames.sole_pitch[leg] = math.atan2(-rotation[2, 0], forward)
-        for i in range(3):
-            frames.point[i] = 0.0
-            for k in range(nv):
-                frames.point[i] += (jacobian[i, k] - frames.hip_jacobian[i, k]) * v[k]
-        relative = frames.relative[leg]
-        dx, dy = place[0] - frames.hip_position[0], place[1] - frames.hip_position[1]
-        relative[0, 0] = cos_yaw * dx + sin_yaw * dy
-        relative[0, 1] = cos_yaw * dy - sin_yaw * dx
-        relative[0, 2] = place[2] - frames.hip_position[2]
-        relative[1, 0] = cos_yaw * frames.point[0] + sin_yaw * frames.point[1]
-        relative[1, 1] = cos_yaw * frames.point[1] - sin_yaw * frames.point[0]
-        relative[1, 2] = frames.point[2]
-    frames.com_velocity[0] = cos_yaw * state.com_velocity[0] + sin_yaw * state.com_velocity[1]
-    frames.com_velocity[1] = cos_yaw * state.com_velocity[1] - sin_yaw * state.com_velocity[0]
+    _observe_torso(tree, state, legs, v, frames)
+    for leg in range(legs.sole_body.shape[0]):
+        _observe_sole(tree, state, legs, v, frames, leg)
+    to_heading(frames, state.com_velocity[0], state.com_velocity[1], frames.com_velocity)
     frames.com_velocity[2] = state.com_velocity[2]
+    hip = frames.hip_position
+    to_heading(frames, state.com[0] - hip[0], state.com[1] - hip[1], frames.com_offset)
