@@ -1,7 +1,8 @@
 """Foothold adjustment (Han 2023, eq. 15) with what removes its bias.
 
 Eq. 15 alone misses the commanded speed, because the speed at the end of a step is not the step's mean. An integral
-once a step removes the bias; at zero command a slow offset brings the robot back to its station.
+once a step, and station keeping at zero command, change the speed that a step is taken for; foothold and balance read
+that speed alike.
 """
 
 from __future__ import annotations
@@ -10,19 +11,14 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from gaitsmith.compiled import Vector, kernel
-from gaitsmith.template.step import LEFT, Gait, StepState
+from gaitsmith.template.step import GaitInputs, StepState
 
 if TYPE_CHECKING:
-    from gaitsmith.robots.parameters import FootholdParameters
-
-
-_GRAVITY = 9.81
-_LARGEST_ERROR = 0.1  # m/s, so that a push does not wind up the integral
-_LOWEST_COM = 0.05  # m, keeps a fallen robot's pendulum finite
+    from gaitsmith.robots.parameters import FootholdParameters, SpeedParameters
 
 
 class FootholdGains(NamedTuple):
-    """:class:`FootholdParameters` as a kernel reads them."""
+    """:class:`FootholdParameters` as a kernel reads them, with the gravity (m/s²) and the least height of a CoM (m)."""
 
     velocity_gain_x: float
     velocity_gain_y: float
@@ -30,114 +26,149 @@ class FootholdGains(NamedTuple):
     deadbeat: float
     prediction: float
     mean_speed: float
-    integral_gain_x: float
-    integral_gain_y: float
-    integral_limit: float
-    station_gain_x: float
-    station_gain_y: float
-    station_limit: float
+    sway: float
     reach: float
     spread: float
     separation: float
+    gravity: float
+    lowest_com: float
 
 
-def make_foothold_gains(parameters: FootholdParameters) -> FootholdGains:
-    """Kernel form of ``parameters``."""
+class SpeedGains(NamedTuple):
+    """:class:`SpeedParameters` as a kernel reads them."""
+
+    integral_gain_x: float
+    integral_gain_y: float
+    integral_limit: float
+    largest_error: float
+    station_gain_x: float
+    station_gain_y: float
+    station_limit: float
+    settled_speed: float
+
+
+class Forecast(NamedTuple):
+    """The pendulum over the stance sole; heading frame.
+
+    Attributes:
+        arm: (3,) CoM relative to the stance sole, m.
+        velocity: (2,) CoM velocity that the foothold answers to, m/s.
+        wanted: (2,) what it is compared with, m/s.
+        acceleration: (2,) of the CoM, as the last whole-body solution predicted it, m/s².
+        drift: (2,) CoM relative to the station, m.
+    """
+
+    arm: Vector
+    velocity: Vector
+    wanted: Vector
+    acceleration: Vector
+    drift: Vector
+
+
+def make_foothold_gains(parameters: FootholdParameters, gravity: float, com_height: float) -> FootholdGains:
+    """Kernel form of ``parameters``; ``com_height`` is that of the standing robot, m."""
+    values = parameters.model_dump()
+    gain_x, gain_y = values.pop("velocity_gain")
     return FootholdGains(
-        *parameters.velocity_gain,
-        parameters.acceleration_gain,
-        parameters.deadbeat,
-        parameters.prediction,
-        parameters.mean_speed,
-        *parameters.integral_gain,
-        parameters.integral_limit,
-        *parameters.station_gain,
-        parameters.station_limit,
-        parameters.reach,
-        parameters.spread,
-        parameters.separation,
+        velocity_gain_x=gain_x, velocity_gain_y=gain_y, gravity=gravity, lowest_com=0.07 * com_height, **values
     )
 
 
+def make_speed_gains(parameters: SpeedParameters) -> SpeedGains:
+    """Kernel form of ``parameters``."""
+    values = parameters.model_dump()
+    pairs = {name: values.pop(name) for name in ("integral_gain", "station_gain")}
+    split = {f"{name}_{axis}": pair[k] for name, pair in pairs.items() for k, axis in enumerate("xy")}
+    return SpeedGains(**split, **values)
+
+
 @kernel
-def _clip(value: float, bound: float) -> float:
+def clip(value: float, bound: float) -> float:
+    """``value`` within ``±bound``."""
     return min(max(value, -bound), bound)
 
 
 @kernel
-def pendulum_frequency(com_height: float) -> float:
+def pendulum_frequency(gains: FootholdGains, com_height: float) -> float:
     """ω of a linear pendulum with its mass ``com_height`` above the ground, 1/s."""
-    return math.sqrt(_GRAVITY / max(com_height, _LOWEST_COM))
+    return math.sqrt(gains.gravity / max(com_height, gains.lowest_com))
 
 
 @kernel
-def expected_duration(step: StepState, gait: Gait) -> float:
+def expected_duration(step: StepState, gait: GaitInputs) -> float:
     """How long the present step will last, from how long steps have lasted, s."""
     return float(step.duration_ratio[0] * gait.period[0])
 
 
 @kernel
-def touchdown_velocity(
-    step: StepState, gait: Gait, gains: FootholdGains, velocity: Vector, arm: Vector, out: Vector
+def choose_speed(step: StepState, gait: GaitInputs, gains: SpeedGains, forecast: Forecast) -> None:
+    """The speed that this step is taken for: the command, what removes its bias, and at zero command the way home."""
+    for axis in range(2):
+        step.speed[axis] = gait.speed[axis] + step.integral[axis]
+        if step.station_kept[0] == 1:
+            gain = gains.station_gain_x if axis == 0 else gains.station_gain_y
+            step.speed[axis] -= clip(gain * forecast.drift[axis], gains.station_limit)
+
+
+@kernel
+def forecast_touchdown(
+    step: StepState, gait: GaitInputs, gains: FootholdGains, velocity: Vector, side: float, forecast: Forecast
 ) -> None:
     """CoM velocity that the foothold answers to, and the velocity to compare it with.
 
     A linear pendulum of the CoM's height above the stance sole, ``ω² = g / z``, forecasts the velocity at touchdown
-    and tells how much faster than its mean it moves there: ``(ωT/2) coth(ωT/2)``.
+    and tells how much faster than its mean it moves there, ``(ωT/2) coth(ωT/2)``, and how fast it sways between soles
+    ``2 W`` apart, ``ωW tanh(ωT/2)`` towards the swing side.
 
     Args:
         step: the step being taken.
         gait: latched.
         gains: of the preset.
         velocity: (2,) CoM velocity, heading frame, m/s.
-        arm: (3,) CoM relative to the stance sole, heading frame, m.
-        out: (4,) velocity forward and lateral, reference forward and lateral, m/s.
+        side: +1 if the swing leg is the left one.
+        forecast: its ``arm`` is read; velocity and wanted are filled.
     """
-    omega = pendulum_frequency(arm[2])
+    omega = pendulum_frequency(gains, forecast.arm[2])
     duration = expected_duration(step, gait)
     half = 0.5 * omega * duration
     ratio = 1.0 + gains.mean_speed * (half / math.tanh(half) - 1.0)
     remaining = omega * max(duration - step.time[0], 0.0)
     grow, carry = math.sinh(remaining), math.cosh(remaining)
     for axis in range(2):
-        expected = carry * velocity[axis] + omega * grow * arm[axis]
-        out[axis] = velocity[axis] + gains.prediction * (expected - velocity[axis])
-        out[2 + axis] = ratio * gait.speed[axis]
+        expected = carry * velocity[axis] + omega * grow * forecast.arm[axis]
+        forecast.velocity[axis] = velocity[axis] + gains.prediction * (expected - velocity[axis])
+        forecast.wanted[axis] = ratio * step.speed[axis]
+    forecast.wanted[1] += gains.sway * side * omega * gait.width[0] * math.tanh(half)
 
 
 @kernel
 def foothold_target(
     step: StepState,
-    gait: Gait,
+    gait: GaitInputs,
     gains: FootholdGains,
-    velocity: Vector,
-    acceleration: Vector,
-    drift: Vector,
-    com_height: float,
+    forecast: Forecast,
     com_offset: Vector,
     stance_y: float,
+    side: float,
     out: Vector,
 ) -> None:
     """Where the swing sole should land, relative to the hip midpoint in the heading frame (eqs. 13 and 15).
 
-    ``x = T v_d / 2 + k_v (v - v_d) - k_a a - I + station`` and the same laterally around ``±W``, where the preset's
-    shares blend the paper's terms with a linear pendulum's: k_v with ``coth(ωT) / ω``, T with how long steps really
-    last, the hip midpoint with the CoM. The separation from the stance sole comes last and is never undone.
+    ``x = T v / 2 + k_v (v̂ - v*) - k_a a`` and the same laterally around ``±W``, where the preset's shares blend the
+    paper's terms with a linear pendulum's: k_v with ``coth(ωT) / ω``, T with how long steps really last, the hip
+    midpoint with the CoM. The separation from the stance sole comes last and is never undone.
 
     Args:
-        step: the step being taken.
+        step: the step being taken; its ``speed`` is v.
         gait: latched.
         gains: of the preset.
-        velocity: (4,) from :func:`touchdown_velocity`.
-        acceleration: (2,) CoM acceleration, heading frame, m/s².
-        drift: (2,) CoM position relative to the station, heading frame, m.
-        com_height: CoM above the stance sole, m.
+        forecast: from :func:`forecast_touchdown`.
         com_offset: (2,) CoM relative to the hip midpoint, heading frame, m.
         stance_y: lateral position of the stance sole, hip midpoint, heading frame, m.
+        side: +1 if the swing leg is the left one.
         out: (2,) target, m.
     """
-    side = -1.0 if step.stance[0] == LEFT else 1.0
-    omega = pendulum_frequency(com_height)
+    omega = pendulum_frequency(gains, forecast.arm[2])
     expected = expected_duration(step, gait)
     deadbeat = 1.0 / (omega * math.tanh(omega * expected))
     duration = gait.period[0] + gains.mean_speed * (expected - gait.period[0])
@@ -145,17 +176,13 @@ def foothold_target(
         gain = gains.velocity_gain_x if axis == 0 else gains.velocity_gain_y
         gain += gains.deadbeat * (deadbeat - gain)
         out[axis] = (
-            0.5 * duration * gait.speed[axis]
-            + gain * (velocity[axis] - velocity[2 + axis])
-            - gains.acceleration_gain * acceleration[axis]
-            - step.integral[axis]
+            0.5 * duration * step.speed[axis]
+            + gain * (forecast.velocity[axis] - forecast.wanted[axis])
+            - gains.acceleration_gain * forecast.acceleration[axis]
             + gains.mean_speed * com_offset[axis]
         )
-        if step.station_kept[0] == 1:
-            station = gains.station_gain_x if axis == 0 else gains.station_gain_y
-            out[axis] += _clip(station * drift[axis], gains.station_limit)
-    out[0] = _clip(out[0], gains.reach)
-    y = _clip(out[1] + side * gait.width[0], gains.spread)
+    out[0] = clip(out[0], gains.reach)
+    y = clip(out[1] + side * gait.width[0], gains.spread)
     if side * (y - stance_y) < gains.separation:
         y = stance_y + side * gains.separation
     out[1] = y
@@ -171,7 +198,7 @@ def observe_motion(step: StepState, velocity: Vector, position: Vector) -> None:
 
 
 @kernel
-def finish_step(step: StepState, gait: Gait, gains: FootholdGains) -> None:
+def finish_step(step: StepState, gait: GaitInputs, gains: SpeedGains) -> None:
     """Update integral and station from the step that just ended (once a step, before the new gait is latched)."""
     ticks = step.velocity_ticks[0]
     if ticks == 0:
@@ -183,8 +210,8 @@ def finish_step(step: StepState, gait: Gait, gains: FootholdGains) -> None:
         stride_mean = 0.5 * (mean + step.last_mean_velocity[axis])
         gain = gains.integral_gain_x if axis == 0 else gains.integral_gain_y
         if step.settling[0] == 0:
-            error = _clip(gait.speed[axis] - stride_mean, _LARGEST_ERROR)
-            step.integral[axis] = _clip(step.integral[axis] + gain * error, gains.integral_limit)
+            error = clip(gait.speed[axis] - stride_mean, gains.largest_error)
+            step.integral[axis] = clip(step.integral[axis] + gain * error, gains.integral_limit)
         step.last_mean_velocity[axis] = mean
         step.velocity_sum[axis] = 0.0
         step.position_sum[axis] = 0.0

@@ -2,68 +2,70 @@
 
 from __future__ import annotations
 
-from gaitsmith.compiled import Matrix, kernel
-from gaitsmith.template.foothold import FootholdGains, finish_step
-from gaitsmith.template.step import LEFT, RIGHT, Gait, StepState
+from gaitsmith.compiled import Vector, kernel
+from gaitsmith.template.foothold import SpeedGains, finish_step
+from gaitsmith.template.step import GaitInputs, StepState
+from gaitsmith.whole_body.frames import Frames
 
 SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
 _SHORTEST, _LONGEST = 0.8, 1.1  # of the period; a step that a push cut short says nothing about the next
-_SETTLED_SPEED = 0.05  # m/s, below it a robot commanded to zero has arrived and keeps its station
 
 
 @kernel
-def latch(step: StepState, requested: Gait, latched: Gait) -> None:
+def latch(step: StepState, requested: GaitInputs, latched: GaitInputs) -> None:
     """Take over the requested gait; the paper updates parameters when the legs switch (section 2.3)."""
     for axis in range(2):
         if requested.speed[axis] != latched.speed[axis]:
             step.settling[0] = SETTLING_STEPS
-        latched.speed[axis] = requested.speed[axis]
-    latched.period[0] = requested.period[0]
-    latched.alpha[0] = requested.alpha[0]
-    latched.height[0] = requested.height[0]
-    latched.lift[0] = requested.lift[0]
-    latched.width[0] = requested.width[0]
+    for k in range(latched.values.shape[0]):
+        latched.values[k] = requested.values[k]
 
 
 @kernel
-def begin_step(step: StepState, stance: int, support_desired: Matrix, swing_actual: Matrix, swing_pitch: float) -> None:
+def begin_step(step: StepState, stance: int, swing: int, support_desired: Vector, frames: Frames) -> None:
     """Start a step with the two rules of section 2.2.
 
     Args:
+        step: the step that ends; overwritten.
         stance: leg that bears the step.
-        support_desired: (3, 3) desired position, velocity, acceleration of the new support sole: first rule.
-        swing_actual: (2, 3) actual position and velocity of the new swing sole: second rule.
-        swing_pitch: its actual pitch, rad.
+        swing: leg that is lifted; its actual state is where the swing starts from: second rule.
+        support_desired: (3,) desired height of the new support sole, its rate and acceleration: first rule.
+        frames: of this tick.
     """
     step.stance[0] = stance
     step.last_duration[0] = step.time[0]
     step.time[0] = 0.0
     step.count[0] += 1
     for axis in range(3):
-        for order in range(3):
-            step.support_start[order, axis] = support_desired[order, axis]
-        for order in range(2):
-            step.swing_start[order, axis] = swing_actual[order, axis]
-    step.swing_pitch_start[0] = swing_pitch
+        step.support_start[axis] = support_desired[axis]
+        step.swing_start[0, axis] = frames.relative_position[swing, axis]
+        step.swing_start[1, axis] = frames.relative_velocity[swing, axis]
+    step.swing_pitch_start[0] = frames.sole_pitch[swing]
+    step.swing_yaw_start[0] = frames.sole_yaw[swing]
 
 
 @kernel
 def switch_legs(
     step: StepState,
-    requested: Gait,
-    latched: Gait,
-    gains: FootholdGains,
-    swing_desired: Matrix,
-    stance_actual: Matrix,
-    stance_pitch: float,
+    requested: GaitInputs,
+    latched: GaitInputs,
+    gains: SpeedGains,
+    landed: int,
+    support_desired: Vector,
+    frames: Frames,
 ) -> None:
-    """End the step: the swing leg becomes the support leg and the other way round.
+    """End the step: the leg that has landed bears the next one.
 
     Args:
-        swing_desired: (3, 3) desired state of the sole that has just landed.
-        stance_actual: (2, 3) actual state of the sole that is about to leave the ground.
-        stance_pitch: its pitch, rad.
+        step: the step that ends.
+        requested: gait inputs to take over.
+        latched: gait inputs of the step; overwritten.
+        gains: of the preset.
+        landed: row of the leg.
+        support_desired: (3,) desired height of its sole, rate and acceleration.
+        frames: of this tick.
     """
+    leaving = step.stance[0]
     finish_step(step, latched, gains)
     ratio = min(max(step.time[0] / latched.period[0], _SHORTEST), _LONGEST)
     step.duration_ratio[0] += 0.5 * (ratio - step.duration_ratio[0])
@@ -71,9 +73,8 @@ def switch_legs(
     if not at_rest:
         step.station_kept[0] = 0
     elif step.station_kept[0] == 0 and step.count[0] > 2:
-        slow_x = abs(step.last_mean_velocity[0]) < _SETTLED_SPEED
+        slow_x = abs(step.last_mean_velocity[0]) < gains.settled_speed
         if slow_x and abs(latched.speed[0]) + abs(latched.speed[1]) == 0.0:
             step.station_kept[0] = 1
     latch(step, requested, latched)
-    stance = RIGHT if step.stance[0] == LEFT else LEFT
-    begin_step(step, stance, swing_desired, stance_actual, stance_pitch)
+    begin_step(step, landed, leaving, support_desired, frames)

@@ -8,41 +8,32 @@ from __future__ import annotations
 
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.splines.quartic_pair import evaluate_pair
-from gaitsmith.template.step import Gait, StepState
+from gaitsmith.template.step import GaitInputs, StepState
 
 
 @kernel
-def support_height(step: StepState, gait: Gait, out: Vector) -> None:
+def support_height(step: StepState, gait: GaitInputs, out: Vector) -> None:
     """Desired z of the support sole (Han 2023, eq. 7).
 
     It starts from the desired state at the switch (section 2.2, first rule) and reaches ``-H`` at T, so a change
     of height is smoothed over one step.
 
     Args:
+        step: the step being taken.
+        gait: latched.
         out: (3,) position, velocity, acceleration.
     """
     period = gait.period[0]
     start = step.support_start
     height = -gait.height[0]
-    middle = start[0, 2] + gait.alpha[0] * (height - start[0, 2])
-    evaluate_pair(
-        step.time[0],
-        gait.alpha[0] * period,
-        period,
-        start[0, 2],
-        start[1, 2],
-        start[2, 2],
-        middle,
-        height,
-        0.0,
-        0.0,
-        out,
-    )
+    middle = start[0] + gait.alpha[0] * (height - start[0])
+    joint = gait.alpha[0] * period
+    evaluate_pair(step.time[0], joint, period, start[0], start[1], start[2], middle, height, 0.0, 0.0, out)
 
 
 @kernel
 def swing_foot(
-    step: StepState, gait: Gait, foothold: Vector, ground: float, descent_speed: float, scratch: Vector, out: Matrix
+    step: StepState, gait: GaitInputs, foothold: Vector, ground: float, descent_speed: float, scratch: Vector, out: Matrix
 ) -> None:
     """Desired state of the swing sole (Han 2023, eqs. 10-12) towards a foothold that may move during the step.
 
@@ -50,6 +41,8 @@ def swing_foot(
     until it meets the ground.
 
     Args:
+        step: the step being taken.
+        gait: latched.
         foothold: (2,) target x and y, m.
         ground: z of the ground below the foothold, m (negative).
         descent_speed: downward speed past T, m/s.
@@ -57,7 +50,7 @@ def swing_foot(
         out: (3, 3) position, velocity, acceleration by rows.
     """
     period = gait.period[0]
-    middle_time = gait.alpha[0] * period
+    joint = gait.alpha[0] * period
     time = step.time[0]
     for axis in range(3):
         start = step.swing_start[0, axis]
@@ -67,9 +60,31 @@ def swing_foot(
         else:
             end = ground
             middle = ground + gait.lift[0]
-        evaluate_pair(time, middle_time, period, start, step.swing_start[1, axis], 0.0, middle, end, 0.0, 0.0, scratch)
+        evaluate_pair(time, joint, period, start, step.swing_start[1, axis], 0.0, middle, end, 0.0, 0.0, scratch)
         for order in range(3):
             out[order, axis] = scratch[order]
     if time > period:
         out[0, 2] -= descent_speed * (time - period)
         out[1, 2] = -descent_speed
+
+
+@kernel
+def smooth_share(time: float, span: float) -> float:
+    """Share from 0 at 0 to 1 at ``span`` with zero slope at both ends."""
+    phase = min(time / span, 1.0) if span > 0.0 else 1.0
+    return float(phase * phase * (3.0 - 2.0 * phase))
+
+
+@kernel
+def swing_pitch(step: StepState, gait: GaitInputs) -> float:
+    """Desired pitch of the swing sole: from its pitch at the switch to level during the lifting stage, rad."""
+    return float(step.swing_pitch_start[0] * (1.0 - smooth_share(step.time[0], gait.alpha[0] * gait.period[0])))
+
+
+@kernel
+def swing_yaw(step: StepState, gait: GaitInputs) -> float:
+    """Desired yaw of the swing sole against the heading: it lands half a step's turn ahead of the torso, rad."""
+    period = gait.period[0]
+    ahead = gait.yaw_rate[0] * (max(period - step.time[0], 0.0) + 0.5 * period)
+    start = step.swing_yaw_start[0]
+    return float(start + smooth_share(step.time[0], period) * (ahead - start))

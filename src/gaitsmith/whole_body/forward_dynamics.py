@@ -9,22 +9,21 @@ import numpy as np
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.dynamics.linear_algebra import cholesky, cholesky_solve_matrix
 from gaitsmith.dynamics.tree import TreeState
-from gaitsmith.whole_body.contact_wrench import moment_axis, wrench_size
-from gaitsmith.whole_body.frames import Frames, Legs
-from gaitsmith.whole_body.targets import Targets
-
-WRENCH_VARIABLES = 12  # of two rectangular soles
+from gaitsmith.whole_body.contact import WRENCH_SIZE, Contacts, transmits
+from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.reference import NONE
 
 
 class MotionMap(NamedTuple):
-    """The map of this tick and its scratch.
+    """The map of this tick and its scratch; n is the largest number of variables.
 
     Attributes:
         factor: (nv, nv) Cholesky factor of M.
-        map: (nv, nj + 13) acceleration per unit of each variable; the column after the last variable is scratch.
+        map: (nv, n + 1) acceleration per unit of each variable; the column after the last variable is scratch.
         free: (nv,) acceleration with all variables zero.
         row: (nv,) one task's Jacobian.
-        image: (nj + 12,) the same in terms of the variables.
+        image: (n,) the same in terms of the variables.
+        turn: (3,) a rotation's error, world axes, rad.
     """
 
     factor: Matrix
@@ -32,16 +31,23 @@ class MotionMap(NamedTuple):
     free: Vector
     row: Vector
     image: Vector
+    turn: Vector
 
 
-def make_motion_map(nv: int, n_joints: int) -> MotionMap:
-    """Storage for a robot with ``nv`` degrees of freedom and ``n_joints`` joints."""
-    n = n_joints + WRENCH_VARIABLES
-    return MotionMap(np.zeros((nv, nv)), np.zeros((nv, n + 1)), np.zeros(nv), np.zeros(nv), np.zeros(n))
+def variable_count(n_joints: int, n_soles: int) -> int:
+    """Largest number of variables of the QP."""
+    return n_joints + WRENCH_SIZE * n_soles
+
+
+def make_motion_map(nv: int, n_joints: int, n_soles: int) -> MotionMap:
+    """Storage for a robot with ``nv`` degrees of freedom, ``n_joints`` joints and ``n_soles`` soles."""
+    n = variable_count(n_joints, n_soles)
+    sizes = ((nv, nv), (nv, n + 1), (nv,), (nv,), (n,), (3,))
+    return MotionMap(*(np.zeros(size) for size in sizes))
 
 
 @kernel
-def map_motion(state: TreeState, legs: Legs, targets: Targets, frames: Frames, motion: MotionMap, n_joints: int) -> int:
+def forward_dynamics_map(state: TreeState, legs: Legs, contacts: Contacts, motion: MotionMap, n_joints: int) -> int:
     """Fill ``map`` and ``free``; returns the number of variables, or -1 if M is not positive definite."""
     nv = motion.free.shape[0]
     n = n_joints
@@ -50,21 +56,18 @@ def map_motion(state: TreeState, legs: Legs, targets: Targets, frames: Frames, m
             motion.map[i, j] = 0.0
     for j in range(n_joints):
         motion.map[6 + j, j] = 1.0
-    for leg in range(2):
-        if targets.in_contact[leg] == 0:
+    for leg in range(contacts.kind.shape[0]):
+        contacts.first[leg] = n
+        if contacts.kind[leg] == NONE:
             continue
-        axes = frames.contact_rotation[leg]
-        jacobian = frames.sole_jacobian[leg]
-        for variable in range(wrench_size(legs.half_width[leg])):
-            first, axis = 0, variable
-            if variable >= 3:
-                first, axis = 3, moment_axis(legs.half_width[leg], variable - 3)
+        axes, jacobian = contacts.axes[leg], contacts.jacobian[leg]
+        for axis in range(WRENCH_SIZE):
+            if not transmits(contacts.kind[leg], legs.half_width[leg], axis):
+                continue
+            first = 3 * (axis // 3)
+            x, y, z = axes[0, axis - first], axes[1, axis - first], axes[2, axis - first]
             for k in range(nv):
-                motion.map[k, n] = (
-                    axes[0, axis] * jacobian[first, k]
-                    + axes[1, axis] * jacobian[first + 1, k]
-                    + axes[2, axis] * jacobian[first + 2, k]
-                )
+                motion.map[k, n] = x * jacobian[first, k] + y * jacobian[first + 1, k] + z * jacobian[first + 2, k]
             n += 1
     for k in range(nv):
         motion.map[k, n] = -state.bias[k]

@@ -1,28 +1,76 @@
 """Cost of the whole-body QP (Han 2023, eqs. 18-23), one function a task.
 
 Every task is a row of accelerations ``row q̈`` with a target and a weight; rows are mapped to the QP's variables
-through the dynamics.
+through the dynamics. Targets follow the reference like a spring and a damper.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.dynamics.tree import TreeState
 from gaitsmith.qp.quadratic_program import QuadraticProgram
-from gaitsmith.whole_body.contact_wrench import moment_axis, wrench_size
+from gaitsmith.whole_body.contact import PITCH_MOMENT, ROLL_MOMENT, Contacts, transmits
 from gaitsmith.whole_body.forward_dynamics import MotionMap
-from gaitsmith.whole_body.frames import Frames, Legs
-from gaitsmith.whole_body.targets import Targets, TaskGains
+from gaitsmith.whole_body.frames import Frames
+from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.reference import HIPS, NONE, Reference
+
+
+class Task(NamedTuple):
+    """One row of the table of tasks: weight, 1/(unit of the row)²; stiffness, 1/s²; damping, 1/s."""
+
+    weight: float
+    stiffness: float
+    damping: float
+
+
+class TaskTable(NamedTuple):
+    """All tasks, as one way of moving uses them.
+
+    Attributes:
+        stance: a bearing sole's pivot does not accelerate (eq. 18).
+        stance_turn: neither does the sole turn, but about its line or edge.
+        swing: a sole in the air follows its reference (eqs. 19 and 20).
+        swing_turn: the same for its rotation, and for that of a sole about its edge.
+        roll, pitch, yaw: of the torso, about the heading axes (eqs. 21 and 22).
+        com: horizontal motion of the centre of mass.
+        com_height: its vertical motion.
+        hip_height: of the hip midpoint.
+        leg_joint: joints of the legs (eqs. 22 and 23); the reference's share is the weight.
+        posture: joints outside the legs.
+        cop: cost on the distance of the centre of pressure from its target times the force, (N·m)⁻².
+        load: cost on a sole's normal force, N⁻².
+        torque_change: cost on the change of torque (eq. 24), (N·m)⁻².
+        regularisation: cost on all variables.
+    """
+
+    stance: Task
+    stance_turn: Task
+    swing: Task
+    swing_turn: Task
+    roll: Task
+    pitch: Task
+    yaw: Task
+    com: Task
+    com_height: Task
+    hip_height: Task
+    leg_joint: Task
+    posture: Task
+    cop: float
+    load: float
+    torque_change: float
+    regularisation: float
 
 
 @kernel
-def _add_row(qp: QuadraticProgram, motion: MotionMap, n: int, target: float, weight: float) -> None:
-    """Add ``weight (row q̈ - target)²`` to the cost (lower triangle of the Hessian)."""
-    nv = motion.row.shape[0]
+def add_row(qp: QuadraticProgram, motion: MotionMap, n: int, target: float, weight: float) -> None:
+    """Add ``weight (motion.row q̈ - target)²`` to the cost (lower triangle of the Hessian)."""
     error = -target
     for j in range(n):
         motion.image[j] = 0.0
-    for k in range(nv):
+    for k in range(motion.row.shape[0]):
         value = motion.row[k]
         if value != 0.0:
             error += value * motion.free[k]
@@ -47,100 +95,246 @@ def add_joint(qp: QuadraticProgram, motion: MotionMap, n: int, dof: int, target:
 
 
 @kernel
-def add_stance(
-    qp: QuadraticProgram, legs: Legs, frames: Frames, gains: TaskGains, motion: MotionMap, n: int, leg: int
-) -> None:
-    """A stance sole does not accelerate (eq. 18), neither does it turn, except about a line sole's own axis."""
-    nv = motion.row.shape[0]
-    jacobian, bias, axes = frames.sole_jacobian[leg], frames.sole_bias[leg], frames.contact_rotation[leg]
-    for axis in range(3):
-        for k in range(nv):
-            motion.row[k] = jacobian[axis, k]
-        _add_row(qp, motion, n, -bias[axis], gains.stance_linear)
-    for variable in range(wrench_size(legs.half_width[leg]) - 3):
-        axis = moment_axis(legs.half_width[leg], variable)
-        for k in range(nv):
-            motion.row[k] = (
-                axes[0, axis] * jacobian[3, k] + axes[1, axis] * jacobian[4, k] + axes[2, axis] * jacobian[5, k]
-            )
-        drift = axes[0, axis] * bias[3] + axes[1, axis] * bias[4] + axes[2, axis] * bias[5]
-        _add_row(qp, motion, n, -drift, gains.stance_angular)
+def turn_error(actual: Matrix, wanted: Matrix, out: Vector) -> None:
+    """Turn (rad for small ones) that brings one rotation to another, world axes."""
+    out[0] = out[1] = out[2] = 0.0
+    for j in range(3):
+        out[0] += 0.5 * (actual[1, j] * wanted[2, j] - actual[2, j] * wanted[1, j])
+        out[1] += 0.5 * (actual[2, j] * wanted[0, j] - actual[0, j] * wanted[2, j])
+        out[2] += 0.5 * (actual[0, j] * wanted[1, j] - actual[1, j] * wanted[0, j])
 
 
 @kernel
-def _heading_row(jacobian: Matrix, first: int, axis: int, heading: Vector, out: Vector) -> None:
-    """Row of a world-axes Jacobian along heading axis ``axis``."""
-    cos_yaw, sin_yaw = heading[1], heading[2]
+def _heading_row(frames: Frames, jacobian: Matrix, first: int, axis: int, scale: float, out: Vector) -> None:
+    """Add ``scale`` times the row of a world-axes Jacobian along heading axis ``axis``."""
+    x, y, z = _heading_axis(frames, axis)
     for k in range(out.shape[0]):
-        if axis == 0:
-            out[k] = cos_yaw * jacobian[first, k] + sin_yaw * jacobian[first + 1, k]
-        elif axis == 1:
-            out[k] = cos_yaw * jacobian[first + 1, k] - sin_yaw * jacobian[first, k]
-        else:
-            out[k] = jacobian[first + 2, k]
+        out[k] += scale * (x * jacobian[first, k] + y * jacobian[first + 1, k] + z * jacobian[first + 2, k])
 
 
 @kernel
-def _heading_component(vector: Vector, first: int, axis: int, heading: Vector) -> float:
-    """Component of a world vector along heading axis ``axis``."""
+def _heading_axis(frames: Frames, axis: int) -> tuple[float, float, float]:
+    """A heading axis in the world."""
     if axis == 0:
-        return float(heading[1] * vector[first] + heading[2] * vector[first + 1])
+        return frames.cos_yaw[0], frames.sin_yaw[0], 0.0
     if axis == 1:
-        return float(heading[1] * vector[first + 1] - heading[2] * vector[first])
-    return float(vector[first + 2])
+        return -frames.sin_yaw[0], frames.cos_yaw[0], 0.0
+    return 0.0, 0.0, 1.0
+
+
+@kernel
+def _along(axis: tuple[float, float, float], vector: Vector, first: int) -> float:
+    """Component of a world vector, three entries from ``first``."""
+    return axis[0] * vector[first] + axis[1] * vector[first + 1] + axis[2] * vector[first + 2]
+
+
+@kernel
+def _clear(row: Vector) -> None:
+    for k in range(row.shape[0]):
+        row[k] = 0.0
+
+
+@kernel
+def add_stance(
+    qp: QuadraticProgram,
+    legs: Legs,
+    contacts: Contacts,
+    frames: Frames,
+    tasks: TaskTable,
+    motion: MotionMap,
+    n: int,
+    leg: int,
+) -> None:
+    """A bearing sole's pivot does not accelerate, neither does the sole turn, but about its line or edge."""
+    jacobian, bias, axes = contacts.jacobian[leg], contacts.bias[leg], contacts.axes[leg]
+    for axis in range(3):
+        for k in range(motion.row.shape[0]):
+            motion.row[k] = jacobian[axis, k]
+        add_row(qp, motion, n, -bias[axis], tasks.stance.weight)
+    for axis in range(3):
+        if not transmits(contacts.kind[leg], legs.half_width[leg], ROLL_MOMENT + axis):
+            continue
+        x, y, z = axes[0, axis], axes[1, axis], axes[2, axis]
+        for k in range(motion.row.shape[0]):
+            motion.row[k] = x * jacobian[3, k] + y * jacobian[4, k] + z * jacobian[5, k]
+        spin = _along((x, y, z), frames.sole_twist[leg], 3)
+        target = -tasks.stance_turn.damping * spin - _along((x, y, z), bias, 3)
+        add_row(qp, motion, n, target, tasks.stance_turn.weight)
 
 
 @kernel
 def add_swing(
-    qp: QuadraticProgram, targets: Targets, frames: Frames, gains: TaskGains, motion: MotionMap, n: int, leg: int
+    qp: QuadraticProgram,
+    reference: Reference,
+    frames: Frames,
+    tasks: TaskTable,
+    motion: MotionMap,
+    n: int,
+    leg: int,
 ) -> None:
-    """The swing sole follows its acceleration relative to the hip midpoint (eq. 19)."""
-    nv = motion.row.shape[0]
-    jacobian, bias = frames.sole_jacobian[leg], frames.sole_bias[leg]
+    """A sole in the air follows its reference, in the world or relative to the hip midpoint (eqs. 19 and 20)."""
+    to_hips = reference.sole_frame[leg] == HIPS
     for axis in range(3):
-        _heading_row(frames.hip_jacobian, 0, axis, frames.heading, motion.row)
-        for k in range(nv):
-            motion.row[k] = -motion.row[k]
-            if axis == 0:
-                motion.row[k] += frames.heading[1] * jacobian[0, k] + frames.heading[2] * jacobian[1, k]
-            elif axis == 1:
-                motion.row[k] += frames.heading[1] * jacobian[1, k] - frames.heading[2] * jacobian[0, k]
-            else:
-                motion.row[k] += jacobian[2, k]
-        drift = _heading_component(bias, 0, axis, frames.heading) - _heading_component(
-            frames.hip_bias, 0, axis, frames.heading
+        _clear(motion.row)
+        direction = _heading_axis(frames, axis)
+        _heading_row(frames, frames.sole_jacobian[leg], 0, axis, 1.0, motion.row)
+        drift = _along(direction, frames.sole_bias[leg], 0)
+        if to_hips:
+            _heading_row(frames, frames.hip_jacobian, 0, axis, -1.0, motion.row)
+            drift -= _along(direction, frames.hip_bias, 0)
+            error = reference.sole_position[leg, axis] - frames.relative_position[leg, axis]
+            error_rate = reference.sole_velocity[leg, axis] - frames.relative_velocity[leg, axis]
+            wanted = reference.sole_acceleration[leg, axis]
+        else:
+            error = _along(direction, reference.sole_position[leg], 0)
+            error -= _along(direction, frames.sole_position[leg], 0)
+            error_rate = _along(direction, reference.sole_velocity[leg], 0)
+            error_rate -= _along(direction, frames.sole_twist[leg], 0)
+            wanted = _along(direction, reference.sole_acceleration[leg], 0)
+        target = wanted + tasks.swing.stiffness * error + tasks.swing.damping * error_rate - drift
+        add_row(qp, motion, n, target, tasks.swing.weight)
+
+
+@kernel
+def add_sole_turn(
+    qp: QuadraticProgram,
+    reference: Reference,
+    legs: Legs,
+    contacts: Contacts,
+    frames: Frames,
+    tasks: TaskTable,
+    motion: MotionMap,
+    n: int,
+    leg: int,
+) -> None:
+    """A sole's rotation follows its reference: about all axes in the air, about its edge on the ground."""
+    kind = contacts.kind[leg]
+    axes = contacts.axes[leg] if kind != NONE else frames.sole_rotation[leg]
+    turn_error(frames.sole_rotation[leg], reference.sole_rotation[leg], motion.turn)
+    for axis in range(3):
+        if kind != NONE and (axis + ROLL_MOMENT != PITCH_MOMENT or transmits(kind, legs.half_width[leg], PITCH_MOMENT)):
+            continue
+        direction = (axes[0, axis], axes[1, axis], axes[2, axis])
+        _clear(motion.row)
+        jacobian = frames.sole_jacobian[leg]
+        for k in range(motion.row.shape[0]):
+            motion.row[k] = (
+                direction[0] * jacobian[3, k] + direction[1] * jacobian[4, k] + direction[2] * jacobian[5, k]
+            )
+        target = (
+            _along(direction, reference.sole_angular_acceleration[leg], 0)
+            + tasks.swing_turn.stiffness * _along(direction, motion.turn, 0)
+            + tasks.swing_turn.damping
+            * (_along(direction, reference.sole_spin[leg], 0) - _along(direction, frames.sole_twist[leg], 3))
+            - _along(direction, frames.sole_bias[leg], 3)
         )
-        _add_row(qp, motion, n, targets.swing_acceleration[leg, axis] - drift, gains.swing_foot)
+        add_row(qp, motion, n, target, tasks.swing_turn.weight)
 
 
 @kernel
-def add_attitude(qp: QuadraticProgram, frames: Frames, gains: TaskGains, motion: MotionMap, n: int) -> None:
-    """Torso roll and pitch behave like spring and damper (eqs. 21 and 22)."""
-    for axis in range(2):
-        stiffness = gains.roll_stiffness if axis == 0 else gains.pitch_stiffness
-        damping = gains.roll_damping if axis == 0 else gains.pitch_damping
-        _heading_row(frames.hip_jacobian, 3, axis, frames.heading, motion.row)
-        drift = _heading_component(frames.hip_bias, 3, axis, frames.heading)
-        target = -stiffness * frames.tilt[axis] - damping * frames.tilt[2 + axis] - drift
-        _add_row(qp, motion, n, target, gains.attitude)
-
-
-@kernel
-def add_standing(
+def add_torso(
     qp: QuadraticProgram,
     state: TreeState,
-    targets: Targets,
+    legs: Legs,
+    reference: Reference,
     frames: Frames,
-    gains: TaskGains,
+    tasks: TaskTable,
     motion: MotionMap,
     n: int,
 ) -> None:
-    """On both feet: CoM over the soles, hip midpoint at its height."""
+    """The torso's roll, pitch and yaw behave like spring and damper about the reference (eqs. 21 and 22)."""
+    turn_error(state.body_rotation[legs.torso[0]], reference.torso_rotation, motion.turn)
     for axis in range(3):
-        if axis < 2:
-            _heading_row(state.com_jacobian, 0, axis, frames.heading, motion.row)
-            drift = _heading_component(state.com_bias, 0, axis, frames.heading)
-        else:
-            _heading_row(frames.hip_jacobian, 0, axis, frames.heading, motion.row)
-            drift = frames.hip_bias[2]
-        _add_row(qp, motion, n, targets.body_acceleration[axis] - drift, gains.standing)
+        task = tasks.roll if axis == 0 else (tasks.pitch if axis == 1 else tasks.yaw)
+        weight = reference.torso_weight[axis] * task.weight
+        if weight == 0.0:
+            continue
+        direction = _heading_axis(frames, axis)
+        _clear(motion.row)
+        _heading_row(frames, frames.hip_jacobian, 3, axis, 1.0, motion.row)
+        target = (
+            _along(direction, reference.torso_angular_acceleration, 0)
+            + task.stiffness * _along(direction, motion.turn, 0)
+            + task.damping * (_along(direction, reference.torso_spin, 0) - _along(direction, frames.torso_spin, 0))
+            - _along(direction, frames.hip_bias, 3)
+        )
+        add_row(qp, motion, n, target, weight)
+
+
+@kernel
+def add_body(
+    qp: QuadraticProgram,
+    state: TreeState,
+    reference: Reference,
+    frames: Frames,
+    tasks: TaskTable,
+    motion: MotionMap,
+    n: int,
+) -> None:
+    """Centre of mass and hip height follow their references."""
+    for axis in range(3):
+        task = tasks.com if axis < 2 else tasks.com_height
+        weight = reference.com_weight[axis] * task.weight
+        if weight == 0.0:
+            continue
+        direction = _heading_axis(frames, axis)
+        _clear(motion.row)
+        _heading_row(frames, state.com_jacobian, 0, axis, 1.0, motion.row)
+        error = _along(direction, reference.com[0], 0) - _along(direction, state.com, 0)
+        error_rate = _along(direction, reference.com[1], 0) - _along(direction, state.com_velocity, 0)
+        wanted = _along(direction, reference.com[2], 0) + task.stiffness * error + task.damping * error_rate
+        add_row(qp, motion, n, wanted - _along(direction, state.com_bias, 0), weight)
+    weight = reference.hip_height_weight[0] * tasks.hip_height.weight
+    if weight > 0.0:
+        for k in range(motion.row.shape[0]):
+            motion.row[k] = frames.hip_jacobian[2, k]
+        height, task = reference.hip_height, tasks.hip_height
+        wanted = height[2] + task.stiffness * (height[0] - frames.hip_position[2])
+        wanted += task.damping * (height[1] - frames.hip_velocity[2])
+        add_row(qp, motion, n, wanted - frames.hip_bias[2], weight)
+
+
+@kernel
+def add_joints(
+    qp: QuadraticProgram,
+    legs: Legs,
+    reference: Reference,
+    tasks: TaskTable,
+    motion: MotionMap,
+    n: int,
+    q: Vector,
+    v: Vector,
+) -> None:
+    """Joint references (eqs. 22 and 23); joints outside the legs hold their posture."""
+    for j in range(legs.leg_of_joint.shape[0]):
+        task = tasks.leg_joint if legs.leg_of_joint[j] >= 0 else tasks.posture
+        weight = reference.joint_weight[j] * task.weight
+        if weight == 0.0:
+            continue
+        target = reference.joint[2, j] + task.stiffness * (reference.joint[0, j] - q[7 + j])
+        target += task.damping * (reference.joint[1, j] - v[6 + j])
+        add_joint(qp, motion, n, 6 + j, target, weight)
+
+
+@kernel
+def add_wrench(
+    qp: QuadraticProgram, legs: Legs, reference: Reference, contacts: Contacts, tasks: TaskTable, leg: int
+) -> None:
+    """Soft targets of a bearing sole: its centre of pressure, ``m_y + x f_z = 0`` and ``m_x - y f_z = 0``; its load."""
+    kind, first = contacts.kind[leg], contacts.first[leg]
+    normal, variable = first + 2, first + 3
+    weight = reference.cop_weight[leg] * tasks.cop
+    if weight > 0.0:
+        for axis in range(2):
+            moment = ROLL_MOMENT if axis == 0 else PITCH_MOMENT
+            if not transmits(kind, legs.half_width[leg], moment):
+                continue
+            arm = -reference.cop[leg, 1] if axis == 0 else reference.cop[leg, 0]
+            qp.hessian[variable, variable] += weight
+            qp.hessian[variable, normal] += weight * arm
+            qp.hessian[normal, normal] += weight * arm * arm
+            variable += 1
+    weight = reference.load_weight[leg] * tasks.load
+    if weight > 0.0:
+        qp.hessian[normal, normal] += weight
+        qp.gradient[normal] -= weight * reference.load[leg]

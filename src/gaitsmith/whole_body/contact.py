@@ -1,0 +1,191 @@
+"""Bearing soles as rows: pivot, contact axes, wrench variables and their bounds (Han 2023, eq. 26 corrected).
+
+A flat sole transmits a force and a moment. A line sole transmits no moment about its own line, a sole on its heel's or
+toe's edge none about that edge; such a moment is left out of the variables. Forces and moments are written in the
+contact frame, at the pivot: the sole frame's origin, or the middle of the edge.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from gaitsmith.compiled import Cube, IntVector, Matrix, Vector, kernel
+from gaitsmith.qp.quadratic_program import QuadraticProgram
+from gaitsmith.whole_body.frames import Frames
+from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.reference import FLAT, HEEL, NONE, TOE
+
+CONTACT_ROWS = 10  # of one sole at most: friction 4, ZMP along 2, ZMP across 2, yaw moment 2
+WRENCH_SIZE = 6  # variables of one sole at most
+ROLL_MOMENT, PITCH_MOMENT, YAW_MOMENT = 3, 4, 5  # axes of a wrench after the three of its force
+
+
+class ContactBounds(NamedTuple):
+    """Bounds on the wrench of one sole, as a kernel reads them; see :class:`ContactParameters`."""
+
+    friction: float
+    normal_low: float
+    normal_high: float
+    zmp_margin: float
+    yaw_friction: float
+
+
+class Contacts(NamedTuple):
+    """Contacts of one tick; a row for each sole, of use where ``kind`` is not NONE.
+
+    Attributes:
+        kind: (n,) of this tick.
+        pivot: (n, 3) world, m.
+        axes: (n, 3, 3) contact frame to world.
+        jacobian: (n, 6, nv) spatial, at the pivot.
+        bias: (n, 6) at the pivot.
+        low: (n, 2) least x and y of the ZMP, contact frame, from the pivot, m.
+        high: (n, 2) greatest.
+        first: (n,) number of its first variable.
+    """
+
+    kind: IntVector
+    pivot: Matrix
+    axes: Cube
+    jacobian: Cube
+    bias: Matrix
+    low: Matrix
+    high: Matrix
+    first: IntVector
+
+
+def make_contacts(nv: int, n_soles: int) -> Contacts:
+    """Storage for a robot with ``nv`` degrees of freedom and ``n_soles`` soles."""
+    n = n_soles
+    return Contacts(
+        kind=np.zeros(n, dtype=np.int64),
+        pivot=np.zeros((n, 3)),
+        axes=np.zeros((n, 3, 3)),
+        jacobian=np.zeros((n, 6, nv)),
+        bias=np.zeros((n, 6)),
+        low=np.zeros((n, 2)),
+        high=np.zeros((n, 2)),
+        first=np.zeros(n, dtype=np.int64),
+    )
+
+
+@kernel
+def transmits(kind: int, half_width: float, axis: int) -> bool:
+    """Whether a contact transmits a force or moment along an axis of its wrench."""
+    if axis == ROLL_MOMENT:
+        return half_width > 0.0
+    if axis == PITCH_MOMENT:
+        return kind == FLAT
+    return kind != NONE
+
+
+@kernel
+def _levelled(sole: Matrix, kind: int, half_width: float, out: Matrix) -> None:
+    """Contact axes: the sole's; turned level about the line or edge that the sole stands on."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = sole[i, j]
+    if kind == FLAT and half_width > 0.0:
+        return
+    kept = 1 if kind != FLAT else 0  # the line or edge; the other horizontal axis is made level
+    level = 1 - kept
+    length = math.sqrt(sole[0, kept] ** 2 + sole[1, kept] ** 2)
+    if length < 1e-6:
+        return
+    sign = 1.0 if kept == 0 else -1.0
+    out[0, level], out[1, level], out[2, level] = -sign * sole[1, kept] / length, sign * sole[0, kept] / length, 0.0
+    out[0, 2] = out[1, 0] * out[2, 1] - out[2, 0] * out[1, 1]
+    out[1, 2] = out[2, 0] * out[0, 1] - out[0, 0] * out[2, 1]
+    out[2, 2] = out[0, 0] * out[1, 1] - out[1, 0] * out[0, 1]
+
+
+@kernel
+def _at_pivot(frames: Frames, contacts: Contacts, leg: int) -> None:
+    """Jacobian and bias of the sole's pivot, from those of its origin."""
+    jacobian, bias, out = frames.sole_jacobian[leg], frames.sole_bias[leg], contacts.jacobian[leg]
+    x = contacts.pivot[leg, 0] - frames.sole_position[leg, 0]
+    y = contacts.pivot[leg, 1] - frames.sole_position[leg, 1]
+    z = contacts.pivot[leg, 2] - frames.sole_position[leg, 2]
+    for k in range(out.shape[1]):
+        a, b, c = jacobian[3, k], jacobian[4, k], jacobian[5, k]
+        out[0, k] = jacobian[0, k] + b * z - c * y
+        out[1, k] = jacobian[1, k] + c * x - a * z
+        out[2, k] = jacobian[2, k] + a * y - b * x
+        out[3, k], out[4, k], out[5, k] = a, b, c
+    p, q, r = frames.sole_twist[leg, 3], frames.sole_twist[leg, 4], frames.sole_twist[leg, 5]
+    u, v, w = q * z - r * y, r * x - p * z, p * y - q * x
+    a, b, c = bias[3], bias[4], bias[5]
+    contacts.bias[leg, 0] = bias[0] + b * z - c * y + q * w - r * v
+    contacts.bias[leg, 1] = bias[1] + c * x - a * z + r * u - p * w
+    contacts.bias[leg, 2] = bias[2] + a * y - b * x + p * v - q * u
+    contacts.bias[leg, 3], contacts.bias[leg, 4], contacts.bias[leg, 5] = a, b, c
+
+
+@kernel
+def observe_contacts(legs: Legs, frames: Frames, kinds: IntVector, contacts: Contacts) -> bool:
+    """Fill ``contacts`` for the kinds of this tick; returns whether any kind is new."""
+    changed = False
+    for leg in range(kinds.shape[0]):
+        kind = kinds[leg]
+        changed = changed or contacts.kind[leg] != kind
+        contacts.kind[leg] = kind
+        if kind == NONE:
+            continue
+        along = legs.toe[leg] if kind == TOE else (-legs.heel[leg] if kind == HEEL else 0.0)
+        for i in range(3):
+            contacts.pivot[leg, i] = frames.sole_position[leg, i] + along * frames.sole_rotation[leg, i, 0]
+        _levelled(frames.sole_rotation[leg], kind, legs.half_width[leg], contacts.axes[leg])
+        _at_pivot(frames, contacts, leg)
+        contacts.low[leg, 0] = -legs.heel[leg] if kind == FLAT else 0.0
+        contacts.high[leg, 0] = legs.toe[leg] if kind == FLAT else 0.0
+        contacts.low[leg, 1], contacts.high[leg, 1] = -legs.half_width[leg], legs.half_width[leg]
+    return changed
+
+
+@kernel
+def _new_row(qp: QuadraticProgram, m: int) -> int:
+    """Clear row ``m`` and make it ``row · x ≥ 0``; the caller fills the coefficients."""
+    for j in range(qp.rows.shape[1]):
+        qp.rows[m, j] = 0.0
+    qp.row_lower[m] = 0.0
+    qp.row_upper[m] = math.inf
+    return m + 1
+
+
+@kernel
+def _moment_rows(qp: QuadraticProgram, m: int, normal: int, moment: int, low: float, high: float) -> int:
+    """``low f_z ≤ moment ≤ high f_z``."""
+    m = _new_row(qp, m)
+    qp.rows[m - 1, normal], qp.rows[m - 1, moment] = high, -1.0
+    m = _new_row(qp, m)
+    qp.rows[m - 1, normal], qp.rows[m - 1, moment] = -low, 1.0
+    return m
+
+
+@kernel
+def contact_bounds(
+    qp: QuadraticProgram, contacts: Contacts, legs: Legs, bounds: ContactBounds, leg: int, row: int
+) -> int:
+    """Friction pyramid, ZMP (eq. 26) and yaw moment of one sole; returns the next free row.
+
+    In the contact frame the ZMP is at ``x = -m_y / f_z`` and ``y = m_x / f_z`` from the pivot.
+    """
+    m, first, kind = row, contacts.first[leg], contacts.kind[leg]
+    normal = first + 2
+    qp.lower[normal], qp.upper[normal] = bounds.normal_low, bounds.normal_high
+    for axis in range(2):
+        for sign in (-1.0, 1.0):
+            m = _new_row(qp, m)
+            qp.rows[m - 1, normal], qp.rows[m - 1, first + axis] = bounds.friction, sign
+    low, high, margin = contacts.low[leg], contacts.high[leg], bounds.zmp_margin
+    variable = first + 3
+    if transmits(kind, legs.half_width[leg], ROLL_MOMENT):
+        m = _moment_rows(qp, m, normal, variable, min(low[1] + margin, 0.0), max(high[1] - margin, 0.0))
+        variable += 1
+    if transmits(kind, legs.half_width[leg], PITCH_MOMENT):
+        m = _moment_rows(qp, m, normal, variable, min(margin - high[0], 0.0), max(-low[0] - margin, 0.0))
+        variable += 1
+    return _moment_rows(qp, m, normal, variable, -bounds.yaw_friction, bounds.yaw_friction)
