@@ -27,7 +27,7 @@ from rich.table import Table
 
 from gaitsmith import Controller, Robot, Scenario, Simulation, load_robot
 from gaitsmith.robots.card import Sole
-from gaitsmith.robots.parameters import ControlParameters
+from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.simulation import Push, Summary
 
 IMPULSE = 40.0  # N·s

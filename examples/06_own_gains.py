@@ -4,7 +4,7 @@ python examples/06_own_gains.py
 """
 
 import gaitsmith
-from gaitsmith.robots.parameters import ControlParameters
+from gaitsmith.robots.presets import ControlParameters
 
 
 def main(duration: float = 8.0) -> dict[str, float]:

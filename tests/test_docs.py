@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from gaitsmith.robots import load_robot
 from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
-from gaitsmith.robots.parameters import ControlParameters, GaitParameters
+from gaitsmith.robots.presets import ControlParameters, GaitParameters
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src" / "gaitsmith"

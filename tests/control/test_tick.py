@@ -13,7 +13,7 @@ from tests.reference.numpy_tick import NumpyTick
 
 from gaitsmith.control import Controller, Measurement
 from gaitsmith.qp.quadratic_program import QuadraticProgram
-from gaitsmith.robots.parameters import ControlParameters
+from gaitsmith.robots.presets import ControlParameters
 
 AGREEMENT = 1e-8  # of the largest torque limit; the QP magnifies rounding (1e-16) up to 1e8 times
 OWN = 1e-7  # of the tick's own largest torque or acceleration, which may be small beside the limits

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from gaitsmith.control.layout import TickGroups
 
 from gaitsmith.control import Controller
-from gaitsmith.control.layout import TickGroups
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot, load_robot
-from gaitsmith.robots.parameters import ControlParameters, GaitParameters
+from gaitsmith.robots.presets import ControlParameters, GaitParameters
 from gaitsmith.simulation import Plant
 from gaitsmith.template.step import StepState
 

@@ -18,7 +18,7 @@ from gaitsmith.estimation.estimator import (
     make_estimator_state,
 )
 from gaitsmith.estimation.measurement import Measurement, make_measurement
-from gaitsmith.robots.parameters import EstimatorParameters
+from gaitsmith.robots.presets import EstimatorParameters
 from gaitsmith.whole_body.frames import Legs
 
 CONTACT_FORCE = 30.0  # N

@@ -16,7 +16,7 @@ from gaitsmith.estimation.filters import (
     predict_axis,
 )
 from gaitsmith.estimation.measurement import make_measurement
-from gaitsmith.robots.parameters import EstimatorParameters
+from gaitsmith.robots.presets import EstimatorParameters
 
 DT = 1e-3
 ROUNDING = 1e-12  # absolute; all numbers are of order 1

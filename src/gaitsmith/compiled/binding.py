@@ -13,7 +13,9 @@ import numpy as np
 import numpy.typing as npt
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.extending import intrinsic
+from numba.core.imputils import lower_getattr_generic
+from numba.core.typing.templates import AttributeTemplate, infer_getattr
+from numba.extending import intrinsic, models, register_model
 from numba.np import arrayobj
 
 Vector = Annotated[npt.NDArray[np.float64], 1]
@@ -56,53 +58,107 @@ def _layout(cls: type) -> dict[str, Any]:
     return found
 
 
-def _numba_type(cls: type) -> Any:
-    """The type of a bound named tuple inside a kernel."""
-    members = []
-    for field in _layout(cls).values():
-        if not isinstance(field, _Field):
-            members.append(_numba_type(field))
-            continue
-        scalar = types.float64 if field.dtype == np.float64 else types.int64
-        members.append(scalar if field.axes == 0 else types.Array(scalar, field.axes, "C"))
-    return types.NamedTuple(members, cls)
-
-
 def _size(cls: type) -> int:
     """Table rows that a named tuple takes."""
     return sum(1 if isinstance(field, _Field) else _size(field) for field in _layout(cls).values())
 
 
-def _rebuilt(context: Any, builder: Any, cls: type, rows: Any, first: int) -> Any:
-    """The named tuple whose fields start at row ``first`` of the table."""
-    word, values, at = ir.IntType(64), [], first
-    kind = _numba_type(cls)
-    for field, member in zip(_layout(cls).values(), kind.types, strict=True):
-        if not isinstance(field, _Field):
-            values.append(_rebuilt(context, builder, field, rows, at))
-            at += _size(field)
-            continue
-        words = [builder.load(builder.gep(rows, [word(_WORDS * at + k)])) for k in range(1 + field.axes)]
-        scalar = member if field.axes == 0 else member.dtype
-        data = builder.inttoptr(words[0], context.get_data_type(scalar).as_pointer())
-        at += 1
-        if field.axes == 0:
-            values.append(builder.load(data))
-            continue
-        array = arrayobj.make_array(member)(context, builder)
-        strides = [word(8)]
-        for extent in reversed(words[2:]):
-            strides.insert(0, builder.mul(strides[0], extent))
-        arrayobj.populate_array(
-            array,
-            data=data,
-            shape=cgutils.pack_array(builder, words[1:]),
-            strides=cgutils.pack_array(builder, strides),
-            itemsize=word(8),
-            meminfo=None,
-        )
-        values.append(array._getvalue())
-    return context.make_tuple(builder, kind, values)
+class View(types.Type):
+    """Inside a kernel: a named tuple that holds other named tuples, as the address of its first row."""
+
+    def __init__(self, cls: type) -> None:
+        self.cls = cls
+        super().__init__(name=f"View({cls.__module__}.{cls.__qualname__})")
+
+
+@register_model(View)
+class _ViewModel(models.PrimitiveModel):
+    """One 64-bit integer."""
+
+    def __init__(self, manager: Any, view: View) -> None:
+        super().__init__(manager, view, ir.IntType(64))
+
+
+def _is_leaf_group(cls: type) -> bool:
+    """Whether a named tuple holds arrays and scalars only."""
+    return all(isinstance(field, _Field) for field in _layout(cls).values())
+
+
+def _bound_type(cls: type) -> Any:
+    """Type of a named tuple inside a kernel."""
+    if not _is_leaf_group(cls):
+        return View(cls)
+    return types.NamedTuple([_field_type(field) for field in _layout(cls).values()], cls)
+
+
+def _field_type(field: _Field) -> Any:
+    """Type of an array or scalar inside a kernel."""
+    scalar = types.float64 if field.dtype == np.float64 else types.int64
+    return scalar if field.axes == 0 else types.Array(scalar, field.axes, "C")
+
+
+@infer_getattr
+class _ViewAttribute(AttributeTemplate):
+    """Types of the fields of a view."""
+
+    key = View
+
+    def generic_resolve(self, view: View, name: str) -> Any:
+        """Type of one field, None if there is no such field."""
+        field = _layout(view.cls).get(name)
+        if field is None:
+            return None
+        return _field_type(field) if isinstance(field, _Field) else _bound_type(field)
+
+
+@lower_getattr_generic(View)
+def _lower_field(context: Any, builder: Any, view: View, address: Any, name: str) -> Any:
+    """Load one field of a view, and nothing else of it."""
+    at = 0
+    for other, field in _layout(view.cls).items():
+        if other == name:
+            start = builder.add(address, ir.IntType(64)(8 * _WORDS * at))
+            return _loaded(context, builder, field, start)
+        at += 1 if isinstance(field, _Field) else _size(field)
+    raise AttributeError(name)
+
+
+def _loaded(context: Any, builder: Any, field: Any, address: Any) -> Any:
+    """An array, scalar or named tuple whose rows begin at an address."""
+    if isinstance(field, _Field):
+        return _loaded_field(context, builder, field, address)
+    if not _is_leaf_group(field):
+        return address
+    starts = [builder.add(address, ir.IntType(64)(8 * _WORDS * k)) for k in range(_size(field))]
+    values = [
+        _loaded_field(context, builder, part, start)
+        for part, start in zip(_layout(field).values(), starts, strict=True)
+    ]
+    return context.make_tuple(builder, _bound_type(field), values)
+
+
+def _loaded_field(context: Any, builder: Any, field: _Field, address: Any) -> Any:
+    """An array or scalar whose row is at an address."""
+    word, member = ir.IntType(64), _field_type(field)
+    row = builder.inttoptr(address, word.as_pointer())
+    words = [builder.load(builder.gep(row, [word(k)])) for k in range(1 + field.axes)]
+    scalar = member if field.axes == 0 else member.dtype
+    data = builder.inttoptr(words[0], context.get_data_type(scalar).as_pointer())
+    if field.axes == 0:
+        return builder.load(data)
+    array = arrayobj.make_array(member)(context, builder)
+    strides = [word(8)]
+    for extent in reversed(words[2:]):
+        strides.insert(0, builder.mul(strides[0], extent))
+    arrayobj.populate_array(
+        array,
+        data=data,
+        shape=cgutils.pack_array(builder, words[1:]),
+        strides=cgutils.pack_array(builder, strides),
+        itemsize=word(8),
+        meminfo=None,
+    )
+    return array._getvalue()
 
 
 @intrinsic
@@ -110,16 +166,14 @@ def bind(typingctx: Any, cls: Any, table: Any) -> Any:
     """``bind(Class, table_address)`` inside a kernel: the named tuple that an :class:`Arena` keeps there.
 
     Array fields are views of the arena's memory; ``float`` and ``int`` fields are copies of its present value; a
-    field that is a named tuple is bound the same way. What a kernel does not use costs nothing.
+    field that is a named tuple is bound the same way, when it is first named.
     """
     python_class = cls.instance_class
-    result = _numba_type(python_class)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        rows = builder.inttoptr(args[1], ir.IntType(64).as_pointer())
-        return _rebuilt(context, builder, python_class, rows, 0)
+        return _loaded(context, builder, python_class, args[1])
 
-    return result(cls, types.int64), codegen
+    return _bound_type(python_class)(cls, types.int64), codegen
 
 
 class Arena(Generic[_Bound]):

@@ -8,28 +8,35 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Arena
+from gaitsmith.control.defaults import Scale, preset_parameters, robot_scale
+from gaitsmith.control.gains import make_gains
 from gaitsmith.control.joint_torque import make_joint_feedback
-from gaitsmith.control.layout import TickGroups
-from gaitsmith.control.state import make_control_state, make_tick_gains
+from gaitsmith.control.state import DAMPING, OFF, STANDING, STATE_NAMES, Tick, make_control_state
 from gaitsmith.control.telemetry import Telemetry, make_telemetry
 from gaitsmith.control.tick import tick
-from gaitsmith.control.touchdown import make_touchdown_rule
 from gaitsmith.dynamics.tree import make_tree_state, read_tree
 from gaitsmith.errors import BadInput
 from gaitsmith.estimation.estimator import make_estimator_gains, make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, make_measurement
-from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics
+from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
 from gaitsmith.qp.quadratic_program import make_quadratic_program
 from gaitsmith.robots import Robot
-from gaitsmith.robots.parameters import ControlParameters, GaitParameters, at_rest, check_gait
-from gaitsmith.template.foothold import make_foothold_gains
-from gaitsmith.template.step import make_gait, make_step_state
+from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait
+from gaitsmith.robots.presets import ControlParameters
+from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
+from gaitsmith.template.step import make_gait_inputs, make_step_state
+from gaitsmith.template.touchdown import make_touchdown_rule
+from gaitsmith.template.walking import Balance
+from gaitsmith.whole_body.contact import make_contacts
 from gaitsmith.whole_body.forward_dynamics import make_motion_map
-from gaitsmith.whole_body.frames import make_frames, make_legs
+from gaitsmith.whole_body.frames import make_frames
+from gaitsmith.whole_body.legs import make_legs
+from gaitsmith.whole_body.reference import make_reference
 from gaitsmith.whole_body.solve import make_whole_body, problem_size
-from gaitsmith.whole_body.targets import make_targets, make_task_gains
 
 CONTROL_PERIOD = 1e-3
+_YAW = 2  # of a sole's three turning axes
+_KEPT = ("step", "control", "estimator", "reference", "contacts", "body", "program", "chains", "inverse_program")
 
 
 class Controller:
@@ -43,6 +50,10 @@ class Controller:
 
     Attributes:
         robot: the robot.
+        scale: its own units of length, time and mass.
+        parameters: of the preset, SI units.
+        gait: the inputs last commanded.
+        estimated: whether the state is estimated from sensors.
         measurement: preallocated; fill it before :meth:`tick`.
         telemetry: views of what the last tick did, over ``telemetry_buffer``.
         telemetry_buffer: (n,) the same numbers in one array.
@@ -62,80 +73,40 @@ class Controller:
         if state not in ("true", "estimated"):
             raise BadInput("state", state, "true or estimated")
         self.robot = robot
-        self.parameters = _preset(robot, preset)
+        self.scale = robot_scale(robot)
+        self.parameters = preset_parameters(robot, self.scale, preset) if isinstance(preset, str) else preset
         self.gait = robot.card.gait if gait is None else gait
+        self.estimated = state == "estimated"
         check_gait(self.gait.model_dump(), robot.card.gait_limits)
-        n_joints = len(robot.joint_names)
-        nv = 6 + n_joints
-        tree = read_tree(robot.model)
-        estimated = state == "estimated"
-        gains = self.parameters.joint_gains_estimated if estimated else self.parameters.joint_gains
-        telemetry, self.telemetry_buffer, self.telemetry_columns = make_telemetry(robot.joint_names)
-        left, right = robot.legs
-        n_leg = len(left.joints)
-        groups = TickGroups(
-            tree=tree,
-            tree_state=make_tree_state(tree),
-            legs=make_legs(robot, tree),
-            frames=make_frames(nv),
-            requested=make_gait(self.gait),
-            latched=make_gait(self.gait),
-            step=make_step_state(),
-            foothold=make_foothold_gains(self.parameters.foothold),
-            touchdown=make_touchdown_rule(self.parameters.touchdown),
-            gains=make_tick_gains(self.parameters, CONTROL_PERIOD),
-            task_gains=make_task_gains(self.parameters),
-            targets=make_targets(robot.torque_limit),
-            motion=make_motion_map(nv, n_joints),
-            whole_body=make_whole_body(nv, n_joints),
-            program=make_quadratic_program(*problem_size(n_joints)),
-            feedback=make_joint_feedback(gains),
-            left_chain=make_leg_kinematics(robot, left),
-            right_chain=make_leg_kinematics(robot, right),
-            left_inverse=make_inverse_kinematics(n_leg),
-            right_inverse=make_inverse_kinematics(n_leg),
-            left_program=make_quadratic_program(n_leg, 0),
-            right_program=make_quadratic_program(n_leg, 0),
-            measurement=make_measurement(n_joints),
-            control=make_control_state(robot, estimated),
-            estimator_gains=make_estimator_gains(
-                self.parameters.estimator,
-                robot.imu_position,
-                self.parameters.touchdown.force,
-                robot.mass * float(np.linalg.norm(robot.model.opt.gravity)),
-            ),
-            estimator=make_estimator_state(n_joints),
-            telemetry=telemetry,
-        )
-        self._arena = Arena(groups)
-        self._groups = self._arena.view
+        soles = tuple(leg.name for leg in robot.legs)
+        telemetry, self.telemetry_buffer, self.telemetry_columns = make_telemetry(robot.joint_names, soles)
+        self._arena = Arena(_make_view(robot, self.scale, self.parameters, self.gait, self.estimated, telemetry))
+        self._g = self._arena.view
         self._address = self._arena.address
-        self.measurement: Measurement = self._groups.measurement
-        self.telemetry: Telemetry = self._groups.telemetry
-        self._torque = self._groups.control.torque
-        self._initial = [[array.copy() for array in group] for group in self._memory()]
+        self.measurement: Measurement = self._g.measurement
+        self.telemetry: Telemetry = self._g.telemetry
+        self._torque = self._g.control.torque
+        self._initial = [[array.copy() for array in getattr(self._g, name)] for name in _KEPT]
         self.reset()
 
     def reset(self) -> None:
         """Forget everything but the requested gait: at rest on both feet, counters at zero."""
-        for group, initial in zip(self._memory(), self._initial, strict=True):
-            for array, first in zip(group, initial, strict=True):
+        for name, initial in zip(_KEPT, self._initial, strict=True):
+            for array, first in zip(getattr(self._g, name), initial, strict=True):
                 array[...] = first
-        whole_body = self._groups.whole_body
-        for array in (whole_body.torque, whole_body.counts, whole_body.contact, whole_body.acceleration):
-            array[...] = 0
-        for program in (self._groups.program, self._groups.left_program, self._groups.right_program):
-            program.active[...] = 0
-        self._groups.control.standing_height[0] = self.gait.height
-        for now, first in zip(self._groups.latched, self._groups.requested, strict=True):
-            now[...] = first
+        self._g.step.standing_height[0] = self.gait.height
+        for inputs in (self._g.requested.values, self._g.latched.values, self._g.control.mailbox):
+            inputs[...] = make_gait_inputs(self.gait).values
 
-    def _memory(self) -> tuple[Any, ...]:
-        """Groups that a reset puts back to their first values."""
-        return self._groups.step, self._groups.control, self._groups.estimator, self._groups.targets
+    @property
+    def state(self) -> str:
+        """Control state after the last tick: off, damping, standing, walking, fault or airborne."""
+        return STATE_NAMES[int(self._g.control.state[0])]
 
     def command(self, **inputs: Any) -> None:
         """Change any of the gait's parameters; they take effect when the legs switch (Han 2023, section 2.3).
+
+        All that one call changes is taken over at once, also if a tick runs meanwhile in another thread.
 
         Args:
             inputs: by name, as :class:`gaitsmith.robots.parameters.GaitParameters` has them; None leaves one as it is.
@@ -145,19 +116,32 @@ class Controller:
         """
         changes = {name: value for name, value in inputs.items() if value is not None}
         check_gait(changes, self.robot.card.gait_limits)
-        gait = GaitParameters(**(self.gait.model_dump() | changes))
-        self.gait = gait
-        for now, value in zip(self._groups.requested, make_gait(gait), strict=True):
-            now[...] = value
+        self.gait = GaitParameters(**(self.gait.model_dump() | changes))
+        control = self._g.control
+        control.letters[0] += 1
+        control.mailbox[...] = make_gait_inputs(self.gait).values
+        control.letters[0] += 1
 
     def walk(self) -> None:
         """Start walking at the next tick; in place if the commanded speed is zero."""
-        self._groups.step.walk_requested[0] = 1
+        self._g.control.asked[0] = STANDING
+        self._g.step.walk_requested[0] = 1
 
     def stand(self) -> None:
         """Come to rest: command neither speed nor turning, and stay on both feet once slow enough."""
         self.command(**at_rest(self.gait.model_dump()))
-        self._groups.step.walk_requested[0] = 0
+        self._g.control.asked[0] = STANDING
+        self._g.step.walk_requested[0] = 0
+
+    def damp(self) -> None:
+        """Brake all joints and do nothing else, until :meth:`stand` or :meth:`walk`."""
+        self._g.control.asked[0] = DAMPING
+        self._g.step.walk_requested[0] = 0
+
+    def off(self) -> None:
+        """Take the torque away, until :meth:`stand` or :meth:`walk`."""
+        self._g.control.asked[0] = OFF
+        self._g.step.walk_requested[0] = 0
 
     def tick(self, measurement: Measurement | None = None) -> npt.NDArray[np.float64]:
         """Advance by one control period.
@@ -175,10 +159,51 @@ class Controller:
         return self._torque
 
 
-def _preset(robot: Robot, preset: str | ControlParameters) -> ControlParameters:
-    if isinstance(preset, ControlParameters):
-        return preset
-    presets = robot.card.presets
-    if preset not in presets:
-        raise BadInput("preset", preset, "one of " + ", ".join(sorted(presets)))
-    return presets[preset]
+def _make_view(
+    robot: Robot,
+    scale: Scale,
+    parameters: ControlParameters,
+    gait: GaitParameters,
+    estimated: bool,
+    telemetry: Telemetry,
+) -> Tick:
+    """All that a tick reads and writes, before an arena owns it."""
+    n_joints, n_soles, nv = len(robot.joint_names), len(robot.legs), robot.model.nv
+    tree = read_tree(robot.model)
+    chains = [make_leg_kinematics(robot, leg) for leg in robot.legs]
+    n_leg = len(robot.legs[0].joints)
+    turns = all(chain.turning[_YAW] for chain in chains)
+    inputs = make_gait_inputs(gait)
+    return Tick(
+        tree=tree,
+        tree_state=make_tree_state(tree),
+        legs=make_legs(robot),
+        frames=make_frames(nv, n_soles),
+        requested=inputs,
+        latched=make_gait_inputs(gait),
+        step=make_step_state(n_soles, n_leg),
+        foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height),
+        speed=make_speed_gains(parameters.speed),
+        forecast=Forecast(np.zeros(3), *(np.zeros(2) for _ in range(4))),
+        balance=Balance(
+            np.zeros(2), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros(n_joints)
+        ),
+        touchdown=make_touchdown_rule(parameters.touchdown),
+        reference=make_reference(n_soles, n_joints),
+        contacts=make_contacts(nv, n_soles),
+        motion=make_motion_map(nv, n_joints, n_soles),
+        body=make_whole_body(nv, n_joints, n_soles),
+        program=make_quadratic_program(*problem_size(n_joints, n_soles)),
+        feedback=make_joint_feedback(parameters.joint_gains_estimated if estimated else parameters.joint_gains, n_leg),
+        chains=make_leg_table(chains),
+        inverse=make_inverse_kinematics(n_leg),
+        inverse_program=make_quadratic_program(n_leg, 0),
+        measurement=make_measurement(n_joints, n_soles),
+        control=make_control_state(n_joints, estimated, turns, len(inputs.values)),
+        estimator_gains=make_estimator_gains(
+            parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight
+        ),
+        estimator=make_estimator_state(n_joints, n_soles),
+        telemetry=telemetry,
+        **make_gains(parameters, CONTROL_PERIOD),
+    )

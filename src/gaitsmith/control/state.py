@@ -1,16 +1,37 @@
-"""Memory of the controller between ticks, and the gains of a preset as its kernels read them."""
+"""Memory of the controller between ticks, and what its kernels read, as one typed view."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import IntVector, Matrix, Vector
+from gaitsmith.compiled import IntVector, Vector
+from gaitsmith.control.joint_torque import JointFeedback
+from gaitsmith.control.telemetry import Telemetry
+from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.estimation.estimator import EstimatorGains, EstimatorState
+from gaitsmith.estimation.measurement import Measurement
+from gaitsmith.kinematics.inverse import InverseGains, InverseKinematics, LegTable
+from gaitsmith.qp.quadratic_program import QuadraticProgram
+from gaitsmith.template.balance import CopGains
+from gaitsmith.template.foothold import FootholdGains, Forecast, SpeedGains
+from gaitsmith.template.phase import RestGains
+from gaitsmith.template.step import GaitInputs, StepState
+from gaitsmith.template.touchdown import TouchdownRule
+from gaitsmith.template.walking import Balance, JointShares
+from gaitsmith.whole_body.contact import ContactBounds, Contacts
+from gaitsmith.whole_body.forward_dynamics import MotionMap
+from gaitsmith.whole_body.frames import Frames
+from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.reference import Reference
+from gaitsmith.whole_body.solve import JointBounds, WholeBody
+from gaitsmith.whole_body.tasks import TaskTable
 
-if TYPE_CHECKING:
-    from gaitsmith.robots import Robot
-    from gaitsmith.robots.parameters import ControlParameters
+OFF, DAMPING, STANDING, WALKING, FAULT, AIRBORNE = range(6)
+"""Control states: no torque; joints braked; on both feet; walking; readings that cannot be used; lifted off."""
+
+STATE_NAMES = ("off", "damping", "standing", "walking", "fault", "airborne")
 
 
 class ControlState(NamedTuple):
@@ -18,129 +39,117 @@ class ControlState(NamedTuple):
 
     Attributes:
         time: (1,) since the reset, s.
+        state: (1,) control state, one of :data:`STATE_NAMES`.
+        asked: (1,) OFF or DAMPING if asked for, else STANDING: the template decides.
         q: (7 + nj,) true or estimated configuration.
         v: (6 + nj,) true or estimated velocity.
         torque: (nj,) last torque sent, N·m.
-        leg_reference: (2, n_leg) joint angles of the inverse kinematics, hip to ankle, rad.
-        leg_rate: (2, n_leg) their rates, rad/s.
-        joint_reference: (nj,) the same in joint order, 0 outside the legs, rad.
-        joint_rate: (nj,) their rates, rad/s.
-        foot_desired: (6, 3) rows 0-2 left, 3-5 right: desired position, velocity, acceleration of the sole; hip
-            midpoint, heading frame.
-        support_curve: (3,) desired z, its rate and acceleration of the support sole, m.
-        foothold: (2,) target of the swing sole, m.
-        standing_height: (1,) hip height held while standing, m; moves slowly towards the commanded one.
-        counts: (3,) bad measurements, inverse-kinematics fallbacks, forced touchdowns.
+        held: (nj,) joint angles held in the air, rad.
+        refused: (8,) ticks refused for the readings of each sensor, in the order of :class:`Measurement`.
+        refused_ticks: (1,) ticks refused.
         estimated: (1,) 1 if the state is estimated from sensors.
-        arm: (3,) CoM relative to the stance sole, heading frame, m.
-        expected: (4,) velocity that the foothold answers to and its reference, heading frame, m/s.
-        drift: (2,) CoM relative to the station, heading frame, m.
-        com_offset: (2,) CoM relative to the hip midpoint, heading frame, m.
-        com_acceleration: (2,) predicted by the last whole-body solution, heading frame, m/s².
-        target: (2, 3) scratch: position and velocity of a sole, torso frame.
-        target_rotation: (3, 3) scratch: sole to torso.
+        sent: (1,) 1 once a torque has been sent: its change is bounded from then on.
+        unloaded: (1,) for how long no sole has borne anything, s.
+        turns: (1,) 1 if the legs can turn the torso about the vertical.
+        mailbox: gait inputs as last commanded; taken over when ``letters`` is even.
+        letters: (1,) odd while the mailbox is being written.
+        read: (1,) ``letters`` of what was taken over last.
     """
 
     time: Vector
+    state: IntVector
+    asked: IntVector
     q: Vector
     v: Vector
     torque: Vector
-    leg_reference: Matrix
-    leg_rate: Matrix
-    joint_reference: Vector
-    joint_rate: Vector
-    foot_desired: Matrix
-    support_curve: Vector
-    foothold: Vector
-    standing_height: Vector
-    counts: IntVector
+    held: Vector
+    refused: IntVector
+    refused_ticks: IntVector
     estimated: IntVector
-    arm: Vector
-    expected: Vector
-    drift: Vector
-    com_offset: Vector
-    com_acceleration: Vector
-    target: Matrix
-    target_rotation: Matrix
+    sent: IntVector
+    unloaded: Vector
+    turns: IntVector
+    mailbox: Vector
+    letters: IntVector
+    read: IntVector
 
 
 class TickGains(NamedTuple):
-    """Scalars of a preset that belong to no single task."""
+    """Scalars that belong to no single task.
+
+    Attributes:
+        dt: control period, s.
+        brake: torque per joint speed in the damping state, in units of the joint's torque limit per rad/s.
+        hold: angle error at which a held joint uses its whole torque, rad.
+        contact_force: sole force that counts as contact, N.
+    """
 
     dt: float
-    joint_stiffness: float
-    joint_damping: float
-    foot_stiffness: float
-    foot_damping: float
-    knee: float
-    swing_joint: float
-    swing_ankle: float
-    other_joint: float
-    other_stiffness: float
-    other_damping: float
-    ankle_speed_gain: float
-    ankle_torque_limit: float
-    standing_stiffness: float
-    standing_damping: float
-    entry_speed: float
-    inverse_gain: float
-    inverse_step_weight: float
-    inverse_change_weight: float
-    inverse_pitch_weight: float
+    brake: float
+    hold: float
+    contact_force: float
 
 
-def make_control_state(robot: Robot, estimated: bool) -> ControlState:
+class Tick(NamedTuple):
+    """Everything that a tick reads and writes: ``g.step.time`` inside a kernel."""
+
+    tree: Tree
+    tree_state: TreeState
+    legs: Legs
+    frames: Frames
+    requested: GaitInputs
+    latched: GaitInputs
+    step: StepState
+    foothold: FootholdGains
+    speed: SpeedGains
+    cop: CopGains
+    shares: JointShares
+    forecast: Forecast
+    balance: Balance
+    touchdown: TouchdownRule
+    rest: RestGains
+    gains: TickGains
+    reference: Reference
+    tasks: TaskTable
+    contacts: Contacts
+    contact_bounds: ContactBounds
+    joint_bounds: JointBounds
+    motion: MotionMap
+    body: WholeBody
+    program: QuadraticProgram
+    feedback: JointFeedback
+    chains: LegTable
+    inverse_gains: InverseGains
+    inverse: InverseKinematics
+    inverse_program: QuadraticProgram
+    measurement: Measurement
+    control: ControlState
+    estimator_gains: EstimatorGains
+    estimator: EstimatorState
+    telemetry: Telemetry
+
+
+def make_control_state(n_joints: int, estimated: bool, turns: bool, n_inputs: int) -> ControlState:
     """Memory of a controller that has not ticked yet."""
-    n_joints = len(robot.joint_names)
-    n_leg = len(robot.legs[0].joints)
+
+    def whole(value: int = 0) -> IntVector:
+        return np.array([value], dtype=np.int64)
+
     return ControlState(
         time=np.zeros(1),
+        state=whole(STANDING),
+        asked=whole(STANDING),
         q=np.zeros(7 + n_joints),
         v=np.zeros(6 + n_joints),
         torque=np.zeros(n_joints),
-        leg_reference=np.zeros((2, n_leg)),
-        leg_rate=np.zeros((2, n_leg)),
-        joint_reference=np.zeros(n_joints),
-        joint_rate=np.zeros(n_joints),
-        foot_desired=np.zeros((6, 3)),
-        support_curve=np.zeros(3),
-        foothold=np.zeros(2),
-        standing_height=np.zeros(1),
-        counts=np.zeros(3, dtype=np.int64),
-        estimated=np.array([int(estimated)]),
-        arm=np.zeros(3),
-        expected=np.zeros(4),
-        drift=np.zeros(2),
-        com_offset=np.zeros(2),
-        com_acceleration=np.zeros(2),
-        target=np.zeros((2, 3)),
-        target_rotation=np.zeros((3, 3)),
-    )
-
-
-def make_tick_gains(parameters: ControlParameters, dt: float) -> TickGains:
-    """Kernel form of a preset's remaining scalars."""
-    tracking, weights = parameters.tracking, parameters.weights
-    inverse = parameters.inverse_kinematics
-    return TickGains(
-        dt=dt,
-        joint_stiffness=tracking.joint_stiffness,
-        joint_damping=tracking.joint_damping,
-        foot_stiffness=tracking.foot_stiffness,
-        foot_damping=tracking.foot_damping,
-        knee=weights.knee,
-        swing_joint=weights.swing_joint,
-        swing_ankle=weights.swing_ankle,
-        other_joint=weights.other_joint,
-        other_stiffness=parameters.other_joints.stiffness,
-        other_damping=parameters.other_joints.damping,
-        ankle_speed_gain=parameters.ankle.speed_gain,
-        ankle_torque_limit=parameters.ankle.torque_limit,
-        standing_stiffness=parameters.standing.com_stiffness,
-        standing_damping=parameters.standing.com_damping,
-        entry_speed=parameters.standing.entry_speed,
-        inverse_gain=inverse.gain,
-        inverse_step_weight=inverse.step_weight,
-        inverse_change_weight=inverse.change_weight,
-        inverse_pitch_weight=inverse.pitch_weight,
+        held=np.zeros(n_joints),
+        refused=np.zeros(len(Measurement._fields), dtype=np.int64),
+        refused_ticks=whole(),
+        estimated=whole(int(estimated)),
+        sent=whole(),
+        unloaded=np.zeros(1),
+        turns=whole(int(turns)),
+        mailbox=np.zeros(n_inputs),
+        letters=whole(),
+        read=whole(),
     )

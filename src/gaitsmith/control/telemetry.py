@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Vector
+from gaitsmith.estimation.measurement import Measurement
+from gaitsmith.robots.parameters import GAIT_INPUTS
 
 
 class Telemetry(NamedTuple):
@@ -15,39 +17,46 @@ class Telemetry(NamedTuple):
 
     Attributes:
         time: since the reset, s.
-        mode: 0 standing, 1 walking.
-        stance: 0 left, 1 right, 2 both.
+        control_state: see control.state.STATE_NAMES.
+        mode: 0 on both feet, 1 walking.
+        stance: row of the stance leg; the number of legs when all bear.
         step_time: since the step began, s.
         step_count: steps taken since the reset.
         step_duration: duration of the previous step, s.
-        command: latched speed x and y (m/s), period (s), alpha, height, lift, width (m).
+        command: latched gait inputs, as :data:`gaitsmith.robots.parameters.GAIT_INPUTS` names them.
         com_velocity: (3,) m/s.
         tilt: roll, pitch (rad), roll rate, pitch rate (rad/s).
         yaw: rad.
+        yaw_rate: rad/s.
+        heading: yaw that the torso is to have, rad.
         hip_height: hip midpoint above the stance sole, m.
         foothold: (2,) target of the swing sole, hip midpoint, m.
         foothold_bound: 1 if the target lies on one of its bounds.
-        integral: (2,) bias integral, m.
-        foot_desired: (6,) left, right sole, hip midpoint, m.
-        foot_actual: (6,) the same as measured or estimated.
+        integral: (2,) what is added to the commanded speed, m/s.
+        foot_desired: (3 n,) every sole, hip midpoint, m.
+        foot_actual: (3 n,) the same as measured or estimated.
         joint_desired: (nj,) rad.
         joint_position: (nj,) rad.
         joint_velocity: (nj,) rad/s.
         torque_feedforward: (nj,) from the whole-body QP, N·m.
         torque: (nj,) sent to the joints, N·m.
-        wrench: (12,) planned force and moment on left and right sole, world axes, N and N·m.
-        zmp: (4,) planned x and y in the left and the right contact frame, m; NaN-free, 0 in the air.
-        sole_force: (2,) measured, N.
+        wrench: (6 n,) planned force and moment on every sole, world axes, N and N·m.
+        zmp: (2 n,) planned x and y of every sole, contact axes, from the sole frame's origin, m; 0 in the air.
+        sole_force: (n,) measured, N.
         qp_status: 0 optimal; see control.quadratic_program.
         qp_iterations: changes of the active set in this tick.
         qp_solves: since the reset.
         qp_fallbacks: since the reset.
         qp_infeasible: since the reset.
         ik_fallbacks: since the reset.
+        stops_dropped: ticks that could not keep every joint off its stops.
         touchdowns_forced: steps ended by the clock instead of by contact.
+        refused: (8,) ticks refused for unusable readings, by sensor.
+        refused_ticks: ticks refused.
     """
 
     time: Vector
+    control_state: Vector
     mode: Vector
     stance: Vector
     step_time: Vector
@@ -57,6 +66,8 @@ class Telemetry(NamedTuple):
     com_velocity: Vector
     tilt: Vector
     yaw: Vector
+    yaw_rate: Vector
+    heading: Vector
     hip_height: Vector
     foothold: Vector
     foothold_bound: Vector
@@ -77,29 +88,43 @@ class Telemetry(NamedTuple):
     qp_fallbacks: Vector
     qp_infeasible: Vector
     ik_fallbacks: Vector
+    stops_dropped: Vector
     touchdowns_forced: Vector
+    refused: Vector
+    refused_ticks: Vector
 
 
 _AXES = ("x", "y", "z")
-_SIDES = ("left", "right")
-_LABELS: dict[str, tuple[str, ...]] = {
-    "command": ("speed_x", "speed_y", "period", "alpha", "height", "lift", "width"),
-    "com_velocity": _AXES,
-    "tilt": ("roll", "pitch", "roll_rate", "pitch_rate"),
-    "foothold": ("x", "y"),
-    "integral": ("x", "y"),
-    "foot_desired": tuple(f"{side}.{axis}" for side in _SIDES for axis in _AXES),
-    "foot_actual": tuple(f"{side}.{axis}" for side in _SIDES for axis in _AXES),
-    "wrench": tuple(f"{side}.{kind}{axis}" for side in _SIDES for kind in "fm" for axis in _AXES),
-    "zmp": tuple(f"{side}.{axis}" for side in _SIDES for axis in ("x", "y")),
-    "sole_force": _SIDES,
-}
 _PER_JOINT = ("joint_desired", "joint_position", "joint_velocity", "torque_feedforward", "torque")
 
 
-def make_telemetry(joint_names: tuple[str, ...]) -> tuple[Telemetry, npt.NDArray[np.float64], list[str]]:
+def _labels(joints: tuple[str, ...], soles: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Names of the entries of every field that has more than one."""
+
+    def each(parts: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(f"{sole}.{part}" for sole in soles for part in parts)
+
+    return {
+        "command": tuple(part for name, about in GAIT_INPUTS.items() for part in about.parts or (name,)),
+        "com_velocity": _AXES,
+        "tilt": ("roll", "pitch", "roll_rate", "pitch_rate"),
+        "foothold": ("x", "y"),
+        "integral": ("x", "y"),
+        "foot_desired": each(_AXES),
+        "foot_actual": each(_AXES),
+        "wrench": each(tuple(kind + axis for kind in "fm" for axis in _AXES)),
+        "zmp": each(("x", "y")),
+        "sole_force": soles,
+        "refused": Measurement._fields,
+        **dict.fromkeys(_PER_JOINT, joints),
+    }
+
+
+def make_telemetry(
+    joints: tuple[str, ...], soles: tuple[str, ...]
+) -> tuple[Telemetry, npt.NDArray[np.float64], list[str]]:
     """Telemetry over one buffer, the buffer, and the name of every column."""
-    labels = {**_LABELS, **dict.fromkeys(_PER_JOINT, joint_names)}
+    labels = _labels(joints, soles)
     columns = [
         f"{field}.{label}" if label else field for field in Telemetry._fields for label in labels.get(field, ("",))
     ]

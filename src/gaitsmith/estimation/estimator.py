@@ -18,7 +18,8 @@ from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_j
 from gaitsmith.estimation.filters import make_estimator_gains as make_estimator_gains
 from gaitsmith.estimation.filters import make_estimator_state as make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, is_usable
-from gaitsmith.whole_body.frames import Legs
+from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.reference import FLAT
 
 
 @kernel
@@ -52,7 +53,7 @@ def _trust(gains: EstimatorGains, state: EstimatorState, leg: int, force: float,
         state.contact_time[leg] = 0.0
         return 0.0
     state.contact_time[leg] += dt
-    if planned == 0 or state.contact_time[leg] < gains.settling:
+    if planned != FLAT or state.contact_time[leg] < gains.settling:
         return 0.0
     return min(force / gains.full_force, 1.0)
 
@@ -67,6 +68,7 @@ def estimate(
     measurement: Measurement,
     dt: float,
     in_contact: IntVector,
+    refused: IntVector,
     q_out: Vector,
     v_out: Vector,
 ) -> bool:
@@ -84,13 +86,14 @@ def estimate(
         measurement: only attitude, joint angles, accelerometer, gyro, and sole forces are read.
         dt: s.
         in_contact: (n_legs,) 1 for a sole that is planned to stand; it counts if its force says so too.
+        refused: (8,) counts sensors whose readings cannot be used.
         q_out: (7 + nj,) receives the configuration; x and y start at 0, z = 0 is below the lowest sole at the start.
         v_out: (6 + nj,) receives the velocity.
 
     Returns:
         False if a sensor gave no usable number; then nothing was changed.
     """
-    if not is_usable(measurement, True):
+    if not is_usable(measurement, True, refused):
         return False
     starting = state.started[0] == 0
     if starting:

@@ -11,7 +11,7 @@ from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
 from gaitsmith.estimation.measurement import Measurement
 
 if TYPE_CHECKING:
-    from gaitsmith.robots.parameters import EstimatorParameters
+    from gaitsmith.robots.presets import EstimatorParameters
 
 _GYRO = 0.02  # rad/s, noise of one sample
 _ATTITUDE = 0.005  # rad, noise of one sample of the measured attitude

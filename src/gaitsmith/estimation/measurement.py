@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Vector, kernel
+from gaitsmith.compiled import IntVector, Vector, kernel
 
 _FARTHEST = 1e5  # m from the origin
 _FASTEST = 1e3  # m/s and rad/s; joints count as turning at most ten times as fast
@@ -24,7 +24,7 @@ class Measurement(NamedTuple):
         joint_velocity: (nj,)* rad/s.
         accelerometer: (3,) specific force at the IMU, torso axes, m/s².
         gyro: (3,) angular velocity, torso axes, rad/s.
-        sole_force: (2,) normal force on the left and the right sole, N.
+        sole_force: (n,) normal force on every sole, N.
     """
 
     base_position: Vector
@@ -37,10 +37,22 @@ class Measurement(NamedTuple):
     sole_force: Vector
 
 
-def make_measurement(n_joints: int) -> Measurement:
+(
+    BASE_POSITION,
+    BASE_QUATERNION,
+    BASE_VELOCITY,
+    JOINT_POSITION,
+    JOINT_VELOCITY,
+    ACCELEROMETER,
+    GYRO,
+    SOLE_FORCE,
+) = range(len(Measurement._fields))
+
+
+def make_measurement(n_joints: int, n_soles: int = 2) -> Measurement:
     """Measurement of a robot at the origin with all joints at zero."""
     measurement = Measurement(
-        *(np.zeros(size) for size in (3, 4, 6, n_joints, n_joints, 3, 3, 2)),
+        *(np.zeros(size) for size in (3, 4, 6, n_joints, n_joints, 3, 3, n_soles)),
     )
     measurement.base_quaternion[0] = 1.0
     return measurement
@@ -56,22 +68,31 @@ def _within(values: Vector, bound: float) -> bool:
 
 
 @kernel
-def is_usable(measurement: Measurement, estimated: bool) -> bool:
+def _counted(good: bool, refused: IntVector, sensor: int) -> bool:
+    """Count a sensor whose reading is not good; the same value again."""
+    if not good:
+        refused[sensor] += 1
+    return good
+
+
+@kernel
+def is_usable(measurement: Measurement, estimated: bool, refused: IntVector) -> bool:
     """Whether everything that the tick reads is a number that a robot can produce, and the attitude a rotation.
 
     Args:
         measurement: of this tick.
         estimated: whether the state is estimated, so that the base and the joint velocities are not read.
+        refused: (8,) counts one for each sensor whose reading is not usable, in the order of the fields.
     """
     norm = 0.0
     for i in range(4):
         norm += measurement.base_quaternion[i] ** 2
-    good = 0.25 < norm < 4.0
-    good = good and _within(measurement.joint_position, _FASTEST)
-    good = good and _within(measurement.sole_force, _STRONGEST)
+    good = _counted(0.25 < norm < 4.0, refused, BASE_QUATERNION)
+    good = _counted(_within(measurement.joint_position, _FASTEST), refused, JOINT_POSITION) and good
+    good = _counted(_within(measurement.sole_force, _STRONGEST), refused, SOLE_FORCE) and good
     if estimated:
-        good = good and _within(measurement.accelerometer, _STRONGEST)
-        return good and _within(measurement.gyro, _FASTEST)
-    good = good and _within(measurement.base_position, _FARTHEST)
-    good = good and _within(measurement.joint_velocity, 10.0 * _FASTEST)
-    return good and _within(measurement.base_velocity, _FASTEST)
+        good = _counted(_within(measurement.accelerometer, _STRONGEST), refused, ACCELEROMETER) and good
+        return _counted(_within(measurement.gyro, _FASTEST), refused, GYRO) and good
+    good = _counted(_within(measurement.base_position, _FARTHEST), refused, BASE_POSITION) and good
+    good = _counted(_within(measurement.joint_velocity, 10.0 * _FASTEST), refused, JOINT_VELOCITY) and good
+    return _counted(_within(measurement.base_velocity, _FASTEST), refused, BASE_VELOCITY) and good

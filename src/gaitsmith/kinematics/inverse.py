@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector, kernel
 from gaitsmith.errors import BadInput
 from gaitsmith.kinematics.leg import LegKinematics as LegKinematics
 from gaitsmith.kinematics.leg import leg_forward as leg_forward
@@ -48,6 +48,55 @@ class InverseKinematics(NamedTuple):
     jacobian: Matrix
     task: Matrix
     error: Vector
+
+
+class InverseGains(NamedTuple):
+    """Gains of eqs. 28-32: k_IK (1/s), Q2 (above 0), Q3, and Q4 on the orientation about the axes the leg controls."""
+
+    gain: float
+    step_weight: float
+    change_weight: float
+    pitch_weight: float
+
+
+class LegTable(NamedTuple):
+    """:class:`LegKinematics` of all legs, one row each, and the active sets of their quadratic programs."""
+
+    anchor: Cube
+    axis: Cube
+    slides: IntMatrix
+    zero: Matrix
+    sole_position: Matrix
+    sole_rotation: Cube
+    turning: IntMatrix
+    lower: Matrix
+    upper: Matrix
+    velocity_limit: Matrix
+    active: IntMatrix
+
+
+def make_leg_table(chains: list[LegKinematics]) -> LegTable:
+    """Table of legs with equal numbers of joints."""
+    rows = [np.array([chain[k] for chain in chains]) for k in range(len(LegKinematics._fields))]
+    shape = (len(chains), len(chains[0].zero))
+    return LegTable(*rows, np.zeros(shape, dtype=np.int64))  # type: ignore[call-arg]
+
+
+@kernel
+def leg_row(table: LegTable, leg: int) -> LegKinematics:
+    """One row of the table."""
+    return LegKinematics(
+        table.anchor[leg],
+        table.axis[leg],
+        table.slides[leg],
+        table.zero[leg],
+        table.sole_position[leg],
+        table.sole_rotation[leg],
+        table.turning[leg],
+        table.lower[leg],
+        table.upper[leg],
+        table.velocity_limit[leg],
+    )
 
 
 def make_inverse_kinematics(n: int) -> InverseKinematics:
@@ -90,10 +139,8 @@ def leg_step(
     kin: LegKinematics,
     ik: InverseKinematics,
     qp: QuadraticProgram,
-    gain: float,
-    step_weight: float,
-    change_weight: float,
-    pitch_weight: float,
+    active: IntVector,
+    gains: InverseGains,
     reference: Vector,
     rate: Vector,
     target_position: Vector,
@@ -109,11 +156,9 @@ def leg_step(
     Args:
         kin: the leg, with its limits.
         ik: scratch.
-        qp: a problem of n variables without rows; it keeps the active set from tick to tick.
-        gain: k_IK, 1/s.
-        step_weight: Q2, greater than 0.
-        change_weight: Q3.
-        pitch_weight: Q4, on the orientation error about the axes that the leg controls.
+        qp: a problem of n variables without rows.
+        active: (n) the leg's active set, kept from tick to tick.
+        gains: k_IK and weights.
         reference: (n) joint reference, rad or m, advanced in place.
         rate: (n) joint velocity reference, rad/s or m/s; on entry that of the last tick.
         target_position: (3) of the sole frame's origin, torso frame, m.
@@ -125,11 +170,13 @@ def leg_step(
         Status of the quadratic program. Unless OPTIMAL the reference stays and the rate is zero.
     """
     n = reference.shape[0]
+    pitch_weight = gains.pitch_weight
     for j in range(n):
+        qp.active[j] = active[j]
         reference[j] = min(max(reference[j], kin.lower[j]), kin.upper[j])
     leg_forward(kin, reference, ik.position, ik.rotation, ik.jacobian)
     for i in range(3):
-        ik.error[i] = (target_velocity[i] + gain * (target_position[i] - ik.position[i])) * dt
+        ik.error[i] = (target_velocity[i] + gains.gain * (target_position[i] - ik.position[i])) * dt
     orientation_error(kin, ik.rotation, target_rotation, ik.error[3:])
     for j in range(n):
         for i in range(3):
@@ -140,7 +187,7 @@ def leg_step(
             ik.task[3 + i, j] = total * kin.turning[i]
     for j in range(n):
         last = rate[j] * dt
-        slope = -change_weight * last
+        slope = -gains.change_weight * last
         for i in range(6):
             slope -= (1.0 if i < 3 else pitch_weight) * ik.task[i, j] * ik.error[i]
         qp.gradient[j] = slope
@@ -149,12 +196,13 @@ def leg_step(
             for i in range(6):
                 total += (1.0 if i < 3 else pitch_weight) * ik.task[i, j] * ik.task[i, k]
             qp.hessian[j, k] = qp.hessian[k, j] = total
-        qp.hessian[j, j] += step_weight + change_weight
+        qp.hessian[j, j] += gains.step_weight + gains.change_weight
         reach = kin.velocity_limit[j] * dt
         qp.lower[j] = max(kin.lower[j] - reference[j], -reach)
         qp.upper[j] = min(kin.upper[j] - reference[j], reach)
     status, _ = solve(qp, 20 * n)
     for j in range(n):
+        active[j] = qp.active[j]
         if status == OPTIMAL:
             before = reference[j]
             reference[j] = min(max(before + qp.solution[j], kin.lower[j]), kin.upper[j])
@@ -188,10 +236,11 @@ def solve_leg(kin: LegKinematics, position: Array, rotation: Array, q0: Array | 
     still, miss = np.zeros(3), np.inf
     starts = [kin.lower + share * (kin.upper - kin.lower) for share in _STARTS]
     for start in starts if q0 is None else [np.asarray(q0, dtype=np.float64), *starts]:
-        q, rate = np.array(start), np.zeros(n)
+        q, rate, active = np.array(start), np.zeros(n), np.zeros(n, dtype=np.int64)
         damping, error = 1e-6, np.inf
         for _ in range(_ROUNDS):
-            if leg_step(free, ik, qp, 1.0, damping, 0.0, 1.0, q, rate, target, still, turn, 1.0) != OPTIMAL:
+            gains = InverseGains(1.0, damping, 0.0, 1.0)
+            if leg_step(free, ik, qp, active, gains, q, rate, target, still, turn, 1.0) != OPTIMAL:
                 break
             error = float(np.max(np.abs(ik.error)))
             damping = 1e-12 + 1e-3 * error * error

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from gaitsmith.documents import Name
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import (
-    ControlParameters,
     Finite,
     GaitLimits,
     GaitParameters,
-    JointGains,
     NonNegative,
     Parameters,
     Positive,
     check_gait,
 )
+from gaitsmith.robots.presets import CardPreset
 
 PresetName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 Triple = tuple[Finite, Finite, Finite]
@@ -88,7 +88,7 @@ class RobotCard(Parameters):
         limits: of every joint of the model besides the free one.
         gait: default inputs of the gait template.
         gait_limits: valid ranges of these inputs.
-        presets: control parameters by name; `default` must be there.
+        presets: by name, the control parameters that differ from those that the robot's size and mass suggest.
 
     Raises:
         BadInput: entries contradict each other.
@@ -105,7 +105,7 @@ class RobotCard(Parameters):
     limits: Annotated[dict[Name, JointLimits], Field(max_length=200)]
     gait: GaitParameters
     gait_limits: GaitLimits
-    presets: Annotated[dict[PresetName, ControlParameters], Field(max_length=50)]
+    presets: Annotated[dict[PresetName, CardPreset], Field(max_length=50)] = Field(default_factory=dict)
     assumptions: tuple[Assumption, ...] = ()
 
     @model_validator(mode="after")
@@ -123,10 +123,8 @@ class RobotCard(Parameters):
         for joint, limits in self.limits.items():
             _check_range(limits.position, f"limits.{joint}.position")
         _check_gait(self.gait, self.gait_limits)
-        if "default" not in self.presets:
-            raise BadInput("presets", sorted(self.presets), "a preset named default")
         for preset, parameters in self.presets.items():
-            _check_preset(parameters, len(first.joints), f"presets.{preset}")
+            _check_preset(parameters.model_dump(exclude_none=True), len(first.joints), f"presets.{preset}")
         return self
 
 
@@ -168,15 +166,15 @@ def _check_gait(gait: GaitParameters, limits: GaitLimits) -> None:
     check_gait(gait.model_dump(), limits, "gait.")
 
 
-def _check_preset(parameters: ControlParameters, joint_count: int, field: str) -> None:
+def _check_preset(given: dict[str, Any], joint_count: int, field: str) -> None:
     for group in ("joint_gains", "joint_gains_estimated"):
-        for name in JointGains.model_fields:
-            gains = getattr(getattr(parameters, group), name)
-            if len(gains) != joint_count:
+        for name, gains in given.get(group, {}).items():
+            if len(gains) not in (0, joint_count):
                 raise BadInput(f"{field}.{group}.{name}", list(gains), f"{joint_count} values, one per leg joint")
-    low, high = parameters.contact.normal_force
+    low, high = given.get("contact", {}).get("normal_force", (0.0, math.inf))
     if not low < high:
         raise BadInput(f"{field}.contact.normal_force", [low, high], "lowest < highest")
-    if not parameters.foothold.separation < 2.0 * parameters.foothold.spread:
-        valid = f"less than twice the spread, {2.0 * parameters.foothold.spread}"
-        raise BadInput(f"{field}.foothold.separation", parameters.foothold.separation, valid)
+    foothold = given.get("foothold", {})
+    separation, spread = foothold.get("separation", 0.0), foothold.get("spread", math.inf)
+    if not separation < 2.0 * spread:
+        raise BadInput(f"{field}.foothold.separation", separation, f"less than twice the spread, {2.0 * spread}")

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from gaitsmith.documents import checked, read_toml
-from gaitsmith.errors import BadInput
 from gaitsmith.robots.card import RobotCard
 
 CARD_NAME = "card.toml"
@@ -32,11 +31,11 @@ def parse_card(data: dict[str, Any], source: str = CARD_NAME) -> RobotCard:
     Raises:
         BadInput: names the entry, as in ``card.toml: legs[0].sole.toe``.
     """
-    presets = data.get("presets")
+    presets = data.get("presets", {})
     if isinstance(presets, dict):
-        if "default" not in presets:
-            raise BadInput(f"{source}: presets", sorted(presets), "a preset named default")
-        data = data | {"presets": {name: _over(presets["default"], preset) for name, preset in presets.items()}}
+        default = presets.get("default", {})
+        merged = {name: _over(default, preset) for name, preset in {"default": default, **presets}.items()}
+        data = data | {"presets": merged}
     return checked(RobotCard, data, source)
 
 

@@ -45,9 +45,7 @@ def divergent_reference(
 
 
 @kernel
-def stance_cop(
-    gains: CopGains, omega: float, arm: Vector, velocity: Vector, wanted: Vector, out: Vector
-) -> None:
+def stance_cop(gains: CopGains, omega: float, arm: Vector, velocity: Vector, wanted: Vector, out: Vector) -> None:
     """Centre of pressure that brings ξ back to its reference: k (ξ - ξ_ref) from the sole's origin, heading axes, m.
 
     Args:

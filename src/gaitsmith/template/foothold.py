@@ -14,7 +14,7 @@ from gaitsmith.compiled import Vector, kernel
 from gaitsmith.template.step import GaitInputs, StepState
 
 if TYPE_CHECKING:
-    from gaitsmith.robots.parameters import FootholdParameters, SpeedParameters
+    from gaitsmith.robots.presets import FootholdParameters, SpeedParameters
 
 
 class FootholdGains(NamedTuple):

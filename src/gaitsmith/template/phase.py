@@ -55,7 +55,9 @@ def _first_stance(legs: Legs, speed: float) -> int:
 
 
 @kernel
-def _leave_rest(step: StepState, requested: GaitInputs, latched: GaitInputs, legs: Legs, frames: Frames, com: Vector) -> None:
+def _leave_rest(
+    step: StepState, requested: GaitInputs, latched: GaitInputs, legs: Legs, frames: Frames, com: Vector
+) -> None:
     """Take the first step."""
     latch(step, requested, latched)
     stance = step.stance[0]
@@ -113,6 +115,12 @@ def _rest(step: StepState, latched: GaitInputs, rest: RestGains, dt: float) -> N
 
 
 @kernel
+def within_turn(angle: float) -> float:
+    """The same angle between -π and π, rad."""
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+
+
+@kernel
 def turn_heading(step: StepState, latched: GaitInputs, frames: Frames, dt: float) -> None:
     """Turn the wanted heading by the commanded rate while walking; from standing it starts as it is."""
     if step.heading_set[0] == 0:
@@ -120,7 +128,7 @@ def turn_heading(step: StepState, latched: GaitInputs, frames: Frames, dt: float
         step.heading_set[0] = 1
     if step.mode[0] == WALK:
         step.heading[0] += latched.yaw_rate[0] * dt
-    step.heading[0] = math.remainder(step.heading[0], 2.0 * math.pi)
+    step.heading[0] = within_turn(step.heading[0])
 
 
 @kernel

@@ -112,7 +112,7 @@ def make_gait_inputs(parameters: GaitParameters) -> GaitInputs:
     given = [np.atleast_1d(np.asarray(getattr(parameters, name), dtype=np.float64)) for name in GaitInputs._fields[:-1]]
     values = np.concatenate(given)
     ends = np.cumsum([len(part) for part in given])
-    return GaitInputs(*np.split(values, ends[:-1]), values)
+    return GaitInputs(*np.split(values, ends[:-1]), values)  # type: ignore[call-arg]
 
 
 def make_step_state(n_soles: int, n_leg: int) -> StepState:
@@ -129,4 +129,4 @@ def make_step_state(n_soles: int, n_leg: int) -> StepState:
     whole = {name for name, hint in StepState.__annotations__.items() if "Int" in str(hint)}
     state = {name: np.zeros(shape, dtype=np.int64 if name in whole else np.float64) for name, shape in shapes.items()}
     state["duration_ratio"][:] = 1.0
-    return StepState(**state)
+    return StepState(**state)  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from gaitsmith.compiled import kernel
 
 if TYPE_CHECKING:
-    from gaitsmith.robots.parameters import TouchdownParameters
+    from gaitsmith.robots.presets import TouchdownParameters
 
 NONE = 0
 CONTACT = 1

@@ -33,7 +33,13 @@ def support_height(step: StepState, gait: GaitInputs, out: Vector) -> None:
 
 @kernel
 def swing_foot(
-    step: StepState, gait: GaitInputs, foothold: Vector, ground: float, descent_speed: float, scratch: Vector, out: Matrix
+    step: StepState,
+    gait: GaitInputs,
+    foothold: Vector,
+    ground: float,
+    descent_speed: float,
+    scratch: Vector,
+    out: Matrix,
 ) -> None:
     """Desired state of the swing sole (Han 2023, eqs. 10-12) towards a foothold that may move during the step.
 

@@ -20,7 +20,7 @@ from gaitsmith.template.foothold import (
     observe_motion,
     pendulum_frequency,
 )
-from gaitsmith.template.phase import com_over_sole
+from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.step import GaitInputs, StepState
 from gaitsmith.template.touchdown import TouchdownRule
 from gaitsmith.template.trajectory import support_height, swing_foot, swing_pitch, swing_yaw
@@ -47,6 +47,7 @@ class Balance(NamedTuple):
         position: (3,) a sole in the torso frame, m.
         velocity: (3,) its velocity, m/s.
         rotation: (3, 3) sole to torso.
+        torque: (nj,) N·m, of a tick before it is bounded.
     """
 
     divergent: Vector
@@ -55,6 +56,7 @@ class Balance(NamedTuple):
     position: Vector
     velocity: Vector
     rotation: Matrix
+    torque: Vector
 
 
 @kernel
@@ -152,7 +154,9 @@ def track_leg(
     for i in range(3):
         balance.position[i] += legs.hip_midpoint[i]
         for j in range(3):
-            balance.rotation[i, j] = torso[0, i] * wanted[0, j] + torso[1, i] * wanted[1, j] + torso[2, i] * wanted[2, j]
+            balance.rotation[i, j] = (
+                torso[0, i] * wanted[0, j] + torso[1, i] * wanted[1, j] + torso[2, i] * wanted[2, j]
+            )
     status = leg_step(
         leg_row(chains, leg),
         scratch,
@@ -179,7 +183,7 @@ def set_torso(step: StepState, legs: Legs, turns: int, frames: Frames, reference
     """Torso upright; its heading held, or turned as commanded, on legs that can turn."""
     yaw, rate = frames.yaw[0], 0.0
     if turns == 1:
-        away = math.remainder(step.heading[0] - yaw, 2.0 * math.pi)
+        away = within_turn(step.heading[0] - yaw)
         yaw += min(max(away, -0.5), 0.5)
         rate = 1.0
     level_rotation(math.cos(yaw), math.sin(yaw), 1.0, 0.0, reference.torso_rotation)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Cube, IntVector, Matrix, Vector, kernel
+from gaitsmith.compiled import Cube, IntVector, Matrix, kernel
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.whole_body.frames import Frames
 from gaitsmith.whole_body.legs import Legs

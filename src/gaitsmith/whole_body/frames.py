@@ -69,27 +69,20 @@ class Frames(NamedTuple):
 def make_frames(nv: int, n_soles: int) -> Frames:
     """Storage for a robot with ``nv`` degrees of freedom and ``n_soles`` soles."""
     n = n_soles
-    return Frames(
-        *(np.zeros(1) for _ in range(4)),
-        tilt=np.zeros(2),
-        tilt_rate=np.zeros(2),
-        torso_spin=np.zeros(3),
-        hip_position=np.zeros(3),
-        hip_velocity=np.zeros(3),
-        hip_jacobian=np.zeros((6, nv)),
-        hip_bias=np.zeros(6),
-        sole_position=np.zeros((n, 3)),
-        sole_rotation=np.zeros((n, 3, 3)),
-        sole_twist=np.zeros((n, 6)),
-        sole_jacobian=np.zeros((n, 6, nv)),
-        sole_bias=np.zeros((n, 6)),
-        sole_pitch=np.zeros(n),
-        sole_yaw=np.zeros(n),
-        relative_position=np.zeros((n, 3)),
-        relative_velocity=np.zeros((n, 3)),
-        com_velocity=np.zeros(3),
-        com_offset=np.zeros(2),
-    )
+    shapes: dict[str, tuple[int, ...]] = {
+        **dict.fromkeys(Frames._fields, (n, 3)),
+        **dict.fromkeys(("yaw", "cos_yaw", "sin_yaw", "yaw_rate"), (1,)),
+        **dict.fromkeys(("tilt", "tilt_rate", "com_offset"), (2,)),
+        **dict.fromkeys(("torso_spin", "hip_position", "hip_velocity", "com_velocity"), (3,)),
+        **dict.fromkeys(("sole_pitch", "sole_yaw"), (n,)),
+        "hip_jacobian": (6, nv),
+        "hip_bias": (6,),
+        "sole_rotation": (n, 3, 3),
+        "sole_twist": (n, 6),
+        "sole_jacobian": (n, 6, nv),
+        "sole_bias": (n, 6),
+    }
+    return Frames(**{name: np.zeros(shape) for name, shape in shapes.items()})
 
 
 @kernel

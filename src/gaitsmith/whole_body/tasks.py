@@ -125,7 +125,7 @@ def _heading_axis(frames: Frames, axis: int) -> tuple[float, float, float]:
 @kernel
 def _along(axis: tuple[float, float, float], vector: Vector, first: int) -> float:
     """Component of a world vector, three entries from ``first``."""
-    return axis[0] * vector[first] + axis[1] * vector[first + 1] + axis[2] * vector[first + 2]
+    return float(axis[0] * vector[first] + axis[1] * vector[first + 1] + axis[2] * vector[first + 2])
 
 
 @kernel

@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitsmith.control.touchdown import CONTACT, FORCED, NONE, TouchdownRule, detect_touchdown, make_touchdown_rule
-from gaitsmith.robots.parameters import TouchdownParameters
+from gaitsmith.robots.presets import TouchdownParameters
+from gaitsmith.template.touchdown import CONTACT, FORCED, NONE, TouchdownRule, detect_touchdown, make_touchdown_rule
 
 PARAMETERS = TouchdownParameters(force=30.0, earliest=0.5, latest=1.6, descent_speed=0.25)
 RULE = make_touchdown_rule(PARAMETERS)
