@@ -61,7 +61,6 @@ class Solution:
         setup_s: time to build the problem, s.
         solve_s: time to solve it, s.
         multipliers: of the rows.
-        fallbacks: steps for which a slower method had to take over.
     """
 
     x: Array
@@ -71,7 +70,6 @@ class Solution:
     setup_s: float
     solve_s: float
     multipliers: Array
-    fallbacks: int = 0
 
 
 class _Watch(ca.Callback):

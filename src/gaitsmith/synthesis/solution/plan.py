@@ -159,7 +159,7 @@ class Planner:
             program = make_program(trans, self.functions, with_times(trans, base, imposed), imposed)
             tell = None if report is None else partial(report, result.rounds)
             far = start is not None or examined
-            found = self._solve(program, found, x, settings, deadline, result.rounds, far, tell)
+            found, fallbacks = self._solve(program, found, x, settings, deadline, result.rounds, far, tell)
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
@@ -168,7 +168,7 @@ class Planner:
                 result,
                 objective=program.objective(z, o),
                 iterations=result.iterations + found.iterations,
-                fallbacks=result.fallbacks + found.fallbacks,
+                fallbacks=result.fallbacks + fallbacks,
                 constraints=program.rows,
                 x=x,
                 imposed=imposed,
@@ -230,24 +230,25 @@ class Planner:
         rounds: int,
         far: bool,
         tell: Callable[[Progress], None] | None,
-    ) -> Solution:
-        """Warm from the last solution if there is one, else (or if that fails) cold; ``far``: from no usual start."""
+    ) -> tuple[Solution, int]:
+        """Warm from the last solution if there is one, else cold; how often a warm start had to give way to a cold one.
+
+        ``far``: from no usual start.
+        """
+        tried = 0
         if last is not None:
             multipliers = np.zeros(program.rows)
             count = min(program.rows, len(last.multipliers))
             multipliers[:count] = last.multipliers[:count]
             found = solve_sqp(program, x, multipliers, _WARM_ITERATIONS, deadline, rounds > 0, tell)
             if found.solved or time.perf_counter() > deadline:
-                return found
+                return found, 0
+            far, tried = True, found.iterations
         left = max(deadline - time.perf_counter(), 0.01)
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
-        far = far or last is not None
-        options = _FAR if far else None
         most = settings.max_iterations if far else min(settings.max_iterations, _USUAL)
-        cold = solve_ipopt(program, x, tolerance, most, left, tell, options)
-        if last is None:
-            return cold
-        return replace(cold, iterations=cold.iterations + found.iterations, fallbacks=found.fallbacks + 1)
+        cold = solve_ipopt(program, x, tolerance, most, left, tell, _FAR if far else None)
+        return replace(cold, iterations=cold.iterations + tried), int(last is not None)
 
     def _gait(self, trans: Transcription, checks: list[BoundCheck], result: PlanResult) -> Gait:
         """The gait in the robot's own order and world axes."""

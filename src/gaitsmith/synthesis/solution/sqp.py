@@ -1,14 +1,12 @@
-"""Sequential quadratic programming from a warm start: exact Hessian, a sparse active set, DAQP where that fails."""
+"""Sequential quadratic programming from a warm start: exact Hessian and a sparse active set."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 
-import daqp
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg as sl
 import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.caller import Caller
@@ -19,8 +17,6 @@ from gaitsmith.synthesis.solution.active_set import ActiveStep, active_set_step
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, progress_of
 
 Array = npt.NDArray[np.float64]
-_NEAR = 0.1  # inequality rows this close to a bound take part in the quadratic program (shares of their range)
-_RANK = 1e-9  # relative; equality rows that depend on others
 _GAIN = 1e-4  # relative decrease of the objective that is not worth another step
 _ROWS = 1e-3  # violation from which the last rows are settled without the objective
 _SETTLED = 1e-7
@@ -55,7 +51,7 @@ def solve_sqp(
     begin = time.perf_counter()
     first_order, curvature = Caller(Assembly(program).first_order), Curvature(program)
     ready = time.perf_counter()
-    x, lam, fallbacks = start.copy(), multipliers.copy(), 0
+    x, lam = start.copy(), multipliers.copy()
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
     for iteration in range(max_iterations + 1):
         gradient, rows, _ = first_order(x)
@@ -73,18 +69,13 @@ def solve_sqp(
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
             H = _lifted(curvature.convex(x))
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
-        if found is not None:
-            step, lam = found.step, found.multipliers
-        else:
-            fallbacks += 1
-            dense = _dense_step(program, gradient, rows, jacobian, _lifted(curvature.exact(x, lam)))
-            if dense is None:
-                status = "Quadratic_Program_Failed"
-                break
-            step, lam = dense
+        if found is None:
+            status = "Quadratic_Program_Failed"
+            break
+        step, lam = found.step, found.multipliers
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
-        if violation < _ROWS and gain < _GAIN * abs(objective) and found is not None:
+        if violation < _ROWS and gain < _GAIN * abs(objective):
             x, left = _settled(program, x + step, found)
             solved = left < _SETTLED
             status = "Solve_Succeeded" if solved else "Restoration_Failed"
@@ -98,7 +89,7 @@ def solve_sqp(
             status = "Maximum_Time_Exceeded"
             break
     spent = time.perf_counter() - ready
-    return Solution(x, solved, status, iteration, ready - begin, spent, lam, fallbacks)
+    return Solution(x, solved, status, iteration, ready - begin, spent, lam)
 
 
 def _lifted(H: sp.coo_matrix) -> sp.coo_matrix:
@@ -122,55 +113,3 @@ def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, floa
             break
         x = x + conditions.towards(gap)  # the rows are nearly straight here: one factorisation serves all steps
     return x, left
-
-
-def _dense_step(
-    program: Program,
-    gradient: Array,
-    rows: Array,
-    jacobian: sp.csr_matrix,
-    H: sp.spmatrix,
-) -> tuple[Array, Array] | None:
-    """Step and multipliers of the quadratic program in the null space of the equalities; None without a solution."""
-    equal = program.high - program.low <= 0.0
-    bounded = np.flatnonzero(~equal).astype(np.int64)
-    A, b = jacobian[np.flatnonzero(equal)].toarray(), program.low[equal] - rows[equal]
-    # Column-pivoted QR of Aᵀ: the range of Aᵀ, and the null space in which the step is free.
-    Q, R, order = sl.qr(A.T, mode="full", pivoting=True)
-    diagonal = np.abs(np.diag(R))
-    rank = int(np.sum(diagonal > _RANK * diagonal[0]))
-    Y, Z = Q[:, :rank], Q[:, rank:]
-    triangle = R[:rank, :rank]
-    particular = Y @ sl.solve_triangular(triangle, b[order[:rank]], trans="T")
-    J = jacobian[bounded]
-    ahead = rows[bounded] + J @ particular
-    low, high = program.low[bounded], program.high[bounded]
-    near = np.flatnonzero((ahead - low < _NEAR) | (high - ahead < _NEAR))
-    reduced, free = _convex(Z.T @ (H @ Z)), Z.T @ (gradient + H @ particular)
-    inner = J[near] @ Z
-    upper, lower = np.minimum(high[near] - ahead[near], 1e20), np.maximum(low[near] - ahead[near], -1e20)
-    sense = np.zeros(len(near), dtype=np.int32)
-    y, _, flag, info = daqp.solve(
-        np.ascontiguousarray(reduced), free, np.ascontiguousarray(inner), upper, lower, sense, iter_limit=5000
-    )
-    if flag < 0 or not np.isfinite(y).all():
-        return None
-    step = particular + Z @ y
-    lam = np.zeros(len(rows))
-    lam[bounded[near]] = info["lam"]
-    pull = gradient + H @ step + J.T @ lam[bounded]
-    on_equal = np.zeros(int(equal.sum()))
-    on_equal[order[:rank]] = -sl.solve_triangular(triangle, Y.T @ pull)
-    lam[equal] = on_equal
-    return step, lam
-
-
-def _convex(H: Array) -> Array:
-    """The matrix with a little curvature added, and more where it is not positive."""
-    H = 0.5 * (H + H.T) + _PROXIMAL * np.eye(len(H))
-    try:
-        np.linalg.cholesky(H)
-        return H
-    except np.linalg.LinAlgError:
-        values, vectors = np.linalg.eigh(H)
-        return np.asarray((vectors * np.maximum(np.abs(values), _PROXIMAL)) @ vectors.T)
