@@ -6,9 +6,8 @@ python examples/08_own_motion.py
 from pathlib import Path
 
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis import Planner, verify
+from gaitsmith.synthesis import Planner, answer_file, verify
 from gaitsmith.synthesis.proof.replay import ReplayResult, replay
-from gaitsmith.synthesis.requests.motion_file import answer_file
 
 MOTION = Path(__file__).parent / "motions" / "obstacle.toml"
 

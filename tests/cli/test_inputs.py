@@ -37,7 +37,7 @@ def test_another_robot_is_refused(
     planned: str, given: str | None, parts: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read = lambda path, allow_edited: (gait_of(planned, True), True)  # noqa: E731
-    monkeypatch.setattr("gaitsmith.synthesis.gaits.gait_file.read_gait", read)
+    monkeypatch.setattr("gaitsmith.synthesis.files.gait_file.read_gait", read)
     with pytest.raises(BadInput) as caught:
         planned_gait("gait.json", given)
     assert all(part in str(caught.value) for part in parts)

@@ -8,7 +8,7 @@ from gaitsmith.cli import main
 from gaitsmith.cli.arguments import parse
 from gaitsmith.cli.plan_arguments import FILE, PlanArguments, request_from, task_of
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.gaits.gait_file import LIMIT
+from gaitsmith.synthesis.files.gait_file import LIMIT
 from gaitsmith.synthesis.motions.catalogue import StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.requests.request import KICK_FRICTION, KINDS, MOST_CYCLES, Request

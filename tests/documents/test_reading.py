@@ -16,7 +16,7 @@ from gaitsmith.documents.reading import KEY_PARTS, LIMIT
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.card import RobotCard
 from gaitsmith.simulation.scenario import Scenario
-from gaitsmith.synthesis.requests.motion_file import MotionText
+from gaitsmith.synthesis.files.motion_file import MotionText
 
 SECONDS = 2.0  # for documents on which a quadratic reader takes 10 s and more
 LONGEST = 700  # characters of a message

@@ -7,7 +7,7 @@ import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.log.record import read_log
-from gaitsmith.synthesis.gaits.export import LARGEST, column_names, export_gait, gait_rows
+from gaitsmith.synthesis.files.export import LARGEST, column_names, export_gait, gait_rows
 
 RATE = 2000.0
 

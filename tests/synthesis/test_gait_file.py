@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis.gaits.gait_entries import LONGEST_PHASE
-from gaitsmith.synthesis.gaits.gait_file import (
+from gaitsmith.synthesis.files.gait_entries import LONGEST_PHASE
+from gaitsmith.synthesis.files.gait_file import (
     _checksum,
     gait_document,
     load_robot_of,

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.files.motion_file import PHASES, SECTIONS, read_motion
 from gaitsmith.synthesis.motions.motion import Limit, Same, State
-from gaitsmith.synthesis.requests.motion_file import PHASES, SECTIONS, read_motion
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "motions" / "obstacle.toml"
 FLAT = """[[phases]]

@@ -36,7 +36,7 @@ def export(words: list[str], program: str) -> Outcome:
     arguments = parse(ExportArguments, words, program)
     path = check_file(arguments.out or _beside(arguments.gait, arguments.format), (arguments.gait,))
     from gaitsmith.cli.display import Display
-    from gaitsmith.synthesis.gaits.export import export_gait
+    from gaitsmith.synthesis.files.export import export_gait
 
     gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
     steps = given_steps(arguments.steps, gait, 1)

@@ -38,7 +38,7 @@ def planned_gait(path: str, robot: str | None, allow_edited: bool = False) -> tu
     Raises:
         BadInput: file or robot cannot be used, or do not belong together.
     """
-    from gaitsmith.synthesis.gaits.gait_file import load_robot_of, read_gait, require_robot
+    from gaitsmith.synthesis.files.gait_file import load_robot_of, read_gait, require_robot
 
     gait, intact = read_gait(path, allow_edited=allow_edited)
     if robot is None:

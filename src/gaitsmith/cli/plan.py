@@ -43,8 +43,7 @@ def plan(words: list[str], program: str) -> Outcome:
         raise BadInput("--figures", arguments.figures, "another name than that of the gait file")
     request = request_from(arguments, task)
     from gaitsmith.cli.display import Display
-    from gaitsmith.synthesis import Planner, answer, plan_document
-    from gaitsmith.synthesis.requests.motion_file import answer_file
+    from gaitsmith.synthesis import Planner, answer, answer_file, plan_document
 
     robot = named_robot(arguments.robot)
     with Display() as display:

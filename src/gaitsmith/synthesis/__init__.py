@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from gaitsmith.lazy import lazily
 
 if TYPE_CHECKING:
+    from gaitsmith.synthesis.files.gait_file import load_robot_of as load_robot_of
+    from gaitsmith.synthesis.files.gait_file import read_gait as read_gait
+    from gaitsmith.synthesis.files.gait_file import write_gait as write_gait
     from gaitsmith.synthesis.gaits.gait import Gait as Gait
-    from gaitsmith.synthesis.gaits.gait_file import load_robot_of as load_robot_of
-    from gaitsmith.synthesis.gaits.gait_file import read_gait as read_gait
-    from gaitsmith.synthesis.gaits.gait_file import write_gait as write_gait
     from gaitsmith.synthesis.motions.catalogue import KickParameters as KickParameters
     from gaitsmith.synthesis.motions.catalogue import StepParameters as StepParameters
     from gaitsmith.synthesis.motions.motion import Motion as Motion
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gaitsmith.synthesis.proof.verify import verify as verify
     from gaitsmith.synthesis.requests.request import Request as Request
     from gaitsmith.synthesis.requests.request import answer as answer
+    from gaitsmith.synthesis.requests.request import answer_file as answer_file
     from gaitsmith.synthesis.requests.summary import plan_document as plan_document
     from gaitsmith.synthesis.solution.plan import Planner as Planner
     from gaitsmith.synthesis.solution.plan import PlanResult as PlanResult
@@ -28,12 +29,12 @@ __getattr__, __dir__ = lazily(
     __name__,
     {
         "gaits.gait": "Gait",
-        "gaits.gait_file": "load_robot_of read_gait write_gait",
+        "files.gait_file": "load_robot_of read_gait write_gait",
         "motions.catalogue": "KickParameters StepParameters",
         "motions.motion": "Motion Phase",
         "motions.settings": "Bounds Settings",
         "proof.verify": "verify",
-        "requests.request": "Request answer",
+        "requests.request": "Request answer answer_file",
         "requests.summary": "plan_document",
         "solution.plan": "Planner PlanResult",
     },

@@ -16,6 +16,7 @@ from gaitsmith.robots import Leg, Robot
 from gaitsmith.synthesis.motions.motion import Contact
 
 Array = npt.NDArray[np.float64]
+REST = 0.03  # m by which the hips are below their height with straight legs at rest
 _SYMMETRY = 1e-7  # relative; left and right halves written with a few digits agree better
 _PHYSICS = (
     "body_parentid",
@@ -192,15 +193,16 @@ def biped_from(robot: Robot) -> Biped:
     )
 
 
-def standing(biped: Biped, height: float) -> Array:
+def standing(biped: Biped, height: float | None = None) -> Array:
     """q0 (n,) of eqs. (21) and (24): soles side by side, torso upright, centre of mass over the soles' middle.
 
     Args:
         biped: the robot.
-        height: hip midpoint above the soles, m.
+        height: hip midpoint above the soles, m; 3 cm below straight legs if None.
 
     Raises:
         BadInput: the legs do not reach.
     """
+    height = biped.height - REST if height is None else height
     sole = biped.robot.legs[0].sole
     return standing_posture(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)[7:]

@@ -9,13 +9,12 @@ from gaitsmith.synthesis.motions.biped import standing
 from gaitsmith.synthesis.program.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
-_SQUAT = 0.03  # m below straight legs
 
 
 def default_start(trans: Transcription) -> Array:
     """Standing still, the load shared by both feet: the start that every motion is solved from."""
     x = np.zeros(trans.size)
-    q0 = standing(trans.biped, trans.biped.height - _SQUAT)
+    q0 = standing(trans.biped)
     n = trans.biped.joints
     x[: n * trans.spline.size] = np.repeat(q0, trans.spline.size)
     for index, phase in enumerate(trans.motion.phases):

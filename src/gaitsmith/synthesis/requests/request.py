@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.gait import Gait, follow
-from gaitsmith.synthesis.motions.biped import standing
+from gaitsmith.synthesis.motions.biped import REST, standing
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
@@ -21,12 +23,12 @@ from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 Array = npt.NDArray[np.float64]
 Kind = Literal["cyclic", "start", "stop", "walk", "kick"]
 KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick")
-REST = 0.03  # m by which the hips are below their height with straight legs at rest
 RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
 KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
 KICK_FRICTION = 0.45  # leaves the plant's friction of 0.5 and more some room
-_AGREE = 1e-6
+_AGREE = 1e-6  # m
+_SHORTEST, _LONGER = 0.12, 0.2  # m, and m for every m/s: steps of the paper's two gaits
 _REPORT = Callable[[str, int, Progress], None]
 
 
@@ -55,31 +57,23 @@ def stride(speed: float | None, length: float | None, period: float | None) -> t
 
 def _stride(speed: float | None, length: float | None, period: float | None) -> tuple[float, float]:
     """Length and period from what is given, before they are looked at."""
-    if speed is not None and length is not None and period is not None:
-        if abs(length - speed * period) > _AGREE * max(1.0, length):
-            valid = f"{speed * period:.6g} m, speed times period"
-            raise BadInput("--step-length", length, valid, "give any two of --speed, --step-length, --period")
-        return length, period
-    if length is not None and period is not None:
-        return length, period
-    if speed is not None and period is not None:
-        return speed * period, period
-    if speed is not None and length is not None:
-        return length, length / speed
-    if speed is not None:
-        return 0.12 + 0.2 * speed, (0.12 + 0.2 * speed) / speed
-    if period is not None:
-        if period <= 0.25:
+    if speed is not None and length is not None and period is not None and abs(length - speed * period) > _AGREE:
+        valid = f"{speed * period:.6g} m, speed times period"
+        raise BadInput("--step-length", length, valid, "give any two of --speed, --step-length, --period")
+    if length is None and speed is not None:
+        length = speed * period if period is not None else _SHORTEST + _LONGER * speed
+    elif length is None and period is not None:
+        if period <= _LONGER + 0.05:
             raise BadInput("--period", period, "more than 0.25 s when given alone", "give --speed or --step-length too")
-        found = 0.12 / (1.0 - 0.2 / period)
-        return found, period
-    if length is not None:
-        if length <= 0.125:
-            raise BadInput(
-                "--step-length", length, "more than 0.125 m when given alone", "give --speed or --period too"
-            )
-        return length, length / ((length - 0.12) / 0.2)
-    return 0.15, 1.0
+        length = _SHORTEST / (1.0 - _LONGER / period)
+    if length is None:
+        return 0.15, 1.0
+    if period is None and speed is None:
+        if length <= _SHORTEST + 0.005:
+            valid = "more than 0.125 m when given alone"
+            raise BadInput("--step-length", length, valid, "give --speed or --period too")
+        speed = (length - _SHORTEST) / _LONGER
+    return length, length / speed if period is None and speed is not None else float(period or 0.0)
 
 
 @dataclass(frozen=True)
@@ -162,6 +156,18 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     if request.kind == "stop" or begin is None or end.gait is None or begin.gait is None:
         return Answer(results, end.gait)
     return Answer(results, _joined(planner, request, begin, cycle, end))
+
+
+def answer_file(planner: Planner, path: Path, report: _REPORT | None = None) -> Answer:
+    """Plan the motion in a file.
+
+    Raises:
+        BadInput: as :func:`gaitsmith.synthesis.files.motion_file.read_motion`.
+    """
+    motion, settings = read_motion(path, planner.biped)
+    tell: Any = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
+    found = planner.plan(motion, settings, report=tell)
+    return Answer({motion.name: found}, found.gait)
 
 
 def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanResult, end: PlanResult) -> Gait:

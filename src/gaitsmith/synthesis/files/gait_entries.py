@@ -89,7 +89,7 @@ class _Condition(Parameters):
 
 
 class GaitEntries(Parameters):
-    """A gait file, less what :mod:`gaitsmith.synthesis.gaits.gait_file` checks itself."""
+    """A gait file, less what :mod:`gaitsmith.synthesis.files.gait_file` checks itself."""
 
     robot: Name
     robot_hash: Name

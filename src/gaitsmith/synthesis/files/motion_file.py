@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -13,17 +12,13 @@ from pydantic import Field
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.gaits.gait_entries import Amount, Place, QuantityName, Range
+from gaitsmith.synthesis.files.gait_entries import Amount, Place, QuantityName, Range
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State
 from gaitsmith.synthesis.motions.settings import Settings
-from gaitsmith.synthesis.requests.request import REST, Answer
-from gaitsmith.synthesis.solution.ipopt import Progress
-from gaitsmith.synthesis.solution.plan import Planner
 
 PHASES, SECTIONS = 60, 120  # of a motion
-_REPORT = Callable[[str, int, Progress], None]
 Array = npt.NDArray[np.float64]
 
 
@@ -113,7 +108,7 @@ def _motion(text: MotionText, biped: Biped) -> Motion:
 
 def _standing(biped: Biped, height: float | None) -> Array:
     try:
-        return standing(biped, height or biped.height - REST)
+        return standing(biped, height)
     except BadInput as error:
         raise BadInput("standing_height", error.value, error.valid, error.remedy) from None
 
@@ -160,15 +155,3 @@ def _border(after: str | None, names: list[str], field: str) -> int:
     if after not in names:
         raise BadInput(field, after, f"one of {', '.join(names)}")
     return names.index(after) + 1
-
-
-def answer_file(planner: Planner, path: Path, report: _REPORT | None = None) -> Answer:
-    """Plan the motion in a file.
-
-    Raises:
-        BadInput: as :func:`read_motion`.
-    """
-    motion, settings = read_motion(path, planner.biped)
-    tell: Any = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
-    found = planner.plan(motion, settings, report=tell)
-    return Answer({motion.name: found}, found.gait)

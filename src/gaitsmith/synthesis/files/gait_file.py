@@ -12,8 +12,8 @@ from gaitsmith.documents import parse_json
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, write_text_atomic
 from gaitsmith.robots import Robot, load_robot, robot_names
+from gaitsmith.synthesis.files.gait_entries import gait_from
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.gait_entries import gait_from
 from gaitsmith.synthesis.motions.motion import At
 
 FORMAT = "gaitsmith-gait"

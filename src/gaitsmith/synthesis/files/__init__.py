@@ -1,0 +1,1 @@
+"""Files: gaits written and read, motions read, rows exported."""
