@@ -38,6 +38,19 @@ def test_plan_prints_its_document(tmp_path, capsys):
     assert document["file"] == str(path)
 
 
+def test_figures_that_cannot_be_drawn_cost_nothing_but_themselves(tmp_path, capsys, monkeypatch):
+    def broken(*_):
+        raise ValueError("no such glyph")
+
+    monkeypatch.setattr("gaitsmith.view.gait_figures.write_gait_figures", broken)
+    words = ["plan", "cyclic", "--speed", "0.4", "--out", str(tmp_path / "g.json"), "--figures", str(tmp_path / "f")]
+    assert main([*words, "--json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err.splitlines()[-1].endswith("no figures: ValueError: no such glyph")
+    assert json.loads(captured.out)["figures"] == []
+    assert [path.name for path in tmp_path.iterdir()] == ["g.json"]
+
+
 def test_verify_agrees(gait, capsys):
     assert main(["verify", str(gait), "--json"]) == 0
     document = _document(capsys)

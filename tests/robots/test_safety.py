@@ -56,6 +56,14 @@ def test_numbers_are_finite(number: str) -> None:
         parse_xml(f'<mujoco><geom size="{number}"/></mujoco>'.encode(), "model.xml")
 
 
+@pytest.mark.parametrize("value", ["%s", "%n%n", "a%p"])
+def test_no_text_that_the_engine_may_take_for_a_format(value: str) -> None:
+    for text in (f'<a><joint class="{value}"/></a>', f'<a name="{value}"/>'):
+        with pytest.raises(BadInput, match="percent"):
+            parse_xml(text.encode(), "model.xml")
+    assert parse_xml(f'<a file="{value}"/>'.encode(), "model.xml").get("file") == value
+
+
 def test_paths_stay_below_the_card(tmp_path: Path) -> None:
     (tmp_path / "secret.xml").write_text("<mujoco/>")
     inner = tmp_path / "robot"

@@ -1,6 +1,7 @@
 """Exported rows: columns in order, rates kept, velocities and accelerations those of the positions."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,6 +50,10 @@ def test_files(dynamic, robot, tmp_path):
     with (tmp_path / "a.csv").open() as file:
         table = list(csv.reader(file))
     assert table[0] == column_names(robot.joint_names)
+    named = replace(robot, joint_names=('a,"b"', *robot.joint_names[1:]))
+    export_gait(dynamic.gait, named, tmp_path / "b.csv", "csv", 100.0)
+    with (tmp_path / "b.csv").open() as file:
+        assert next(csv.reader(file)) == column_names(named.joint_names)
     assert len(table) == 52
     export_gait(dynamic.gait, robot, tmp_path / "a.mcap", "mcap", 100.0)
     assert np.allclose(read_log(tmp_path / "a.mcap").rows, np.array(table[1:], dtype=float))

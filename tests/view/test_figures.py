@@ -78,6 +78,14 @@ def test_every_figure_is_a_png_of_full_width(walk: Recording, tmp_path: Path) ->
         assert struct.unpack(">I", head[16:20])[0] == PIXELS_WIDE
 
 
+def test_names_are_text_never_markup(walk: Recording, tmp_path: Path) -> None:
+    """A joint that would be wrong as a formula is drawn as it is written."""
+    names = ("$\\frac$", *walk.joint_names[1:])
+    marked = replace(walk, joint_names=names)
+    assert len(write_figures(marked, tmp_path)) == len(FIGURES)
+    assert any("$\\frac$" in axes.get_title(loc="left") for axes in draw_torques(marked).axes)
+
+
 def test_stages_are_where_the_command_changes(walk: Recording) -> None:
     stages = walk.stages()
     assert [round(stage.speed_x, 3) for stage in stages] == [0.0, 0.1, 0.2, 0.1, 0.0]

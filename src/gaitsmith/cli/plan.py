@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome
 from gaitsmith.cli.inputs import named_robot
 from gaitsmith.cli.plan_arguments import CLAIMS, SWEEP, PlanArguments, request_from, task_of
 from gaitsmith.cli.run_folder import check_file, check_new_folder, new_folder
-from gaitsmith.errors import BadInput
+from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def plan(words: list[str], program: str) -> Outcome:
         document = plan_document(found, kind, planner.biped, None if out is None or found.gait is None else str(out))
         if found.gait is not None:
             display.show("writing")
-            document["figures"] = _write(found.gait, robot, out, figures)
+            document["figures"] = _write(found.gait, robot, out, figures, display.say)
         else:
             display.say(f"{found.main.status}: {found.main.reason}")
 
@@ -78,10 +79,11 @@ def _as_given(error: BadInput, arguments: PlanArguments) -> BadInput:
     return BadInput("--" + error.field.replace("_", "-"), error.value, error.valid, error.remedy)
 
 
-def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None) -> list[str]:
+def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None, say: Callable[[str], None]) -> list[str]:
     """Gait file and figures, in the end both or neither; returns the figures' paths.
 
-    Drawing may be interrupted, and then nothing is left of it; what follows may not.
+    Drawing may be interrupted, and then nothing is left of it; what follows may not. Figures that cannot be drawn cost
+    nothing but themselves.
     """
     from gaitsmith.synthesis import write_gait
 
@@ -92,7 +94,13 @@ def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None) -> 
             from gaitsmith.view.gait_figures import write_gait_figures
 
             staging = folder.enter_context(new_folder(figures, "--figures"))
-            paths = [str(figures / path.name) for path in write_gait_figures(gait, robot, staging)]
+            try:
+                paths = [str(figures / path.name) for path in write_gait_figures(gait, robot, staging)]
+            except GaitsmithError:
+                raise
+            except Exception as error:  # the plan is worth more than its figures
+                say(f"no figures: {type(error).__name__}: {error}")
+                folder.pop_all().__exit__(type(error), error, error.__traceback__)
         last.enter_context(uninterrupted())
         if out is not None:
             write_gait(out, gait)

@@ -15,6 +15,7 @@ from gaitsmith.files import read_bounded
 
 FILE_LIMIT = 20_000_000
 TOTAL_LIMIT = 200_000_000
+PATHS = ("file", "filename", "meshdir", "assetdir", "texturedir")
 ELEMENT_LIMIT = 50_000
 DEPTH_LIMIT = 50
 FILE_COUNT_LIMIT = 200
@@ -106,10 +107,12 @@ class _Guard(ElementTree.TreeBuilder):
 
 
 def parse_xml(content: bytes, entry: str) -> Element:
-    """Root element of an XML text whose attributes hold no NaN and no infinity.
+    """Root element of an XML text whose attributes hold no NaN, no infinity and, beside paths, no percent sign.
+
+    MuJoCo builds some messages from names as if they were formats.
 
     Raises:
-        BadInput: not well formed, a document type, too deep, too many elements, or a number that is not finite.
+        BadInput: not well formed, a document type, too deep, too many elements, or an attribute that is refused.
     """
     parser = ElementTree.XMLParser(target=_Guard(entry))
     try:
@@ -121,6 +124,8 @@ def parse_xml(content: bytes, entry: str) -> Element:
         for key, value in element.attrib.items():
             if not all(map(_finite_or_word, value.split())):
                 raise BadInput(f"{entry}: {element.tag} {key}", value, "finite numbers")
+            if "%" in value and key not in PATHS:
+                raise BadInput(f"{entry}: {element.tag} {key}", value, "text without a percent sign")
     return root
 
 

@@ -38,6 +38,7 @@ STYLE: dict[Any, Any] = {
     "legend.fontsize": 10.0,
     "legend.borderaxespad": 0.2,
     "figure.constrained_layout.use": True,
+    "text.parse_math": False,  # names are text
 }
 
 

@@ -28,7 +28,7 @@ def draw_speed(recording: Recording) -> Figure:
     time = recording.time[at]
     with figure(f"{recording.title}: speed and attitude", 7.5) as made:
         forward, lateral, attitude = made.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 1.2))
-        for axis, column, colour, name in ((forward, 0, LEFT, "forward $v_x$"), (lateral, 1, LEFT, "lateral $v_y$")):
+        for axis, column, colour, name in ((forward, 0, LEFT, "forward"), (lateral, 1, LEFT, "lateral")):
             axis.plot(time, recording.speed[at, column], color=colour, label="actual", linewidth=1.0)
             axis.plot(time, recording.speed_command[at, column], color=COMMAND, label="commanded", linestyle="--")
             axis.set_ylabel(f"{name}\nm/s")

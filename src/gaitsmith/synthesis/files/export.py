@@ -40,6 +40,11 @@ def column_names(joints: tuple[str, ...]) -> list[str]:
     return found
 
 
+def _quoted(name: str) -> str:
+    """A name as one field of a CSV table."""
+    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"') else name
+
+
 def _blocks(whole: UnrolledGait, count: int, rate: float, report: _Report | None) -> Iterator[Array]:
     """The rows, some at a time."""
     for first in range(0, count, _BLOCK):
@@ -105,7 +110,7 @@ def export_gait(
     if form == "csv":
         whole, count = _prepared(gait, robot, rate, steps)
         text = io.BytesIO()
-        text.write((",".join(names) + "\n").encode())
+        text.write((",".join(map(_quoted, names)) + "\n").encode())
         for block in _blocks(whole, count, rate, report):
             text.write("".join(",".join(map(repr, row)) + "\n" for row in block.tolist()).encode())
         write_bytes_atomic(path, text.getvalue())
