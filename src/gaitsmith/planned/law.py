@@ -1,0 +1,160 @@
+"""Numbers and memory of the law that follows a plan; the numbers scale with the robot's height, mass and gravity."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from gaitsmith.compiled import Cube, IntVector, Matrix, Vector
+from gaitsmith.planned.clock import PlanClock, make_plan_clock
+from gaitsmith.planned.evaluate import PlanSample, make_plan_sample
+from gaitsmith.planned.table import Plan, PlanTable, empty_table
+
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+
+
+@dataclass(frozen=True)
+class FollowParameters:
+    """Dimensionless numbers of the law; z is the plan's mean CoM height, ω = √(g/z), U = √(gz).
+
+    Attributes:
+        touchdown_force: of the weight.
+        earliest: share of a swing after which a landing counts.
+        longest_wait: for a late landing, 1/ω.
+        descent_speed: of a sole that waits for the ground, U.
+        room_share: of the CoP's room that is left to its feedback before the foothold moves.
+        margin: of the CoP from the sole's edge, z.
+        reach: largest shift of a foothold, forward and lateral, z.
+        separation: gap between the soles' edges, z.
+        landing_gain: share of a miss by which the next landing is corrected.
+        landing_bias: largest such correction, z.
+        horizon: before landing, from which on the foothold is chosen, 1/ω.
+        frozen: before landing, from which on it is kept, 1/ω.
+    """
+
+    touchdown_force: float = 0.05
+    earliest: float = 0.6
+    longest_wait: float = 0.6
+    descent_speed: float = 0.07
+    room_share: float = 0.7
+    margin: float = 0.02
+    reach: tuple[float, float] = (0.4, 0.3)
+    separation: float = 0.02
+    landing_gain: float = 0.5
+    landing_bias: float = 0.1
+    horizon: float = 2.5
+    frozen: float = 0.4
+
+
+class FollowLaw(NamedTuple):
+    """:class:`FollowParameters` of one robot and plan, in SI units, and the soles' sizes.
+
+    Attributes:
+        separation: least lateral distance between the soles' origins, m.
+        heel: (n,) m behind the sole frame's origin.
+        toe: (n,) m ahead of it.
+        half_width: (n,) m.
+    """
+
+    omega: float
+    touchdown_force: float
+    earliest: float
+    longest_wait: float
+    descent_speed: float
+    room_share: float
+    margin: float
+    reach: Vector
+    separation: float
+    landing_gain: float
+    landing_bias: float
+    horizon: float
+    frozen: float
+    heel: Vector
+    toe: Vector
+    half_width: Vector
+
+
+class FollowState(NamedTuple):
+    """What the law remembers; "shift" is against the plan, whose place in the world the support sole decides.
+
+    Attributes:
+        heading: (1,) of the plan's x axis in the world, rad.
+        support: (1,) row of the last tick's support sole, -1 before the first.
+        place: (n, 3) a_i: the plan's origin in the world as each sole on the ground says, m.
+        anchor: (3, 3) C: the plan's origin as the CoM follows it, its rate and its acceleration, world, m.
+        shift: (n, 3, 3) of every sole against the support sole's a_i, its rate and acceleration, world axes, m.
+        foothold: (n, 2) Δ of the soles that land next, plan's axes, m.
+        goal: (2,) the same of the one that lands next, world axes, m.
+        expected: (n, 2) where a sole that has landed should stand, world, m.
+        bias: (n, 2) by which a sole is sent beyond its foothold, as it landed short of those before, plan's axes, m.
+        error: (2,) of ξ against the support sole's Ξ, plan's axes, m.
+    """
+
+    heading: Vector
+    support: IntVector
+    place: Matrix
+    anchor: Matrix
+    shift: Cube
+    foothold: Matrix
+    goal: Vector
+    expected: Matrix
+    bias: Matrix
+    error: Vector
+
+
+class Following(NamedTuple):
+    """A plan that is followed: what it says, how, and how far it is."""
+
+    plan: PlanTable
+    law: FollowLaw
+    clock: PlanClock
+    sample: PlanSample
+    state: FollowState
+
+
+def make_following(robot: Robot, plan: Plan | None = None, parameters: FollowParameters | None = None) -> Following:
+    """A plan at its beginning; without one, room for none."""
+    soles, joints = len(robot.legs), len(robot.joint_names)
+    state = FollowState(
+        heading=np.zeros(1),
+        support=np.full(1, -1, dtype=np.int64),
+        place=np.zeros((soles, 3)),
+        anchor=np.zeros((3, 3)),
+        shift=np.zeros((soles, 3, 3)),
+        foothold=np.zeros((soles, 2)),
+        goal=np.zeros(2),
+        expected=np.zeros((soles, 2)),
+        bias=np.zeros((soles, 2)),
+        error=np.zeros(2),
+    )
+    table = empty_table(soles, joints) if plan is None else plan.table
+    law = _law(robot, 1.0 if plan is None else plan.height, parameters or FollowParameters())
+    return Following(table, law, make_plan_clock(), make_plan_sample(soles, joints), state)
+
+
+def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
+    gravity = float(np.linalg.norm(robot.model.opt.gravity))
+    omega, speed = math.sqrt(gravity / z), math.sqrt(gravity * z)
+    soles = [leg.sole for leg in robot.legs]
+    return FollowLaw(
+        omega=omega,
+        touchdown_force=given.touchdown_force * robot.mass * gravity,
+        earliest=given.earliest,
+        longest_wait=given.longest_wait / omega,
+        descent_speed=given.descent_speed * speed,
+        room_share=given.room_share,
+        margin=given.margin * z,
+        reach=z * np.array(given.reach),
+        separation=sum(sole.half_width for sole in soles[:2]) + given.separation * z,
+        landing_gain=given.landing_gain,
+        landing_bias=given.landing_bias * z,
+        horizon=given.horizon / omega,
+        frozen=given.frozen / omega,
+        heel=np.array([sole.heel for sole in soles]),
+        toe=np.array([sole.toe for sole in soles]),
+        half_width=np.array([sole.half_width for sole in soles]),
+    )
