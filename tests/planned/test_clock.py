@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from tests.planned.plans import DOUBLE, SINGLE, two_steps
 
 from gaitsmith.planned.clock import EARLY, FORCED, LATE, ON_TIME, advance, make_plan_clock
 from gaitsmith.planned.table import ENDLESS
-from tests.planned.plans import DOUBLE, SINGLE, two_steps
 
 DT, FORCE, SHARE, LONGEST = 1e-3, 10.0, 0.6, 0.05
 STEP = SINGLE + DOUBLE

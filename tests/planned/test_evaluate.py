@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 from scipy.spatial.transform import Rotation
+from tests.planned.plans import JOINTS, two_steps
 
 from gaitsmith.planned.evaluate import evaluate, make_plan_sample, orientation
 from gaitsmith.planned.table import TORSO
-from tests.planned.plans import JOINTS, two_steps
 
 
 def sampled(plan, section, time):
@@ -46,7 +46,7 @@ def test_angular_velocity_and_acceleration_are_the_rotations_derivatives():
 
     rotation, spin, turn = turned(0.04)
     angles = sampled(plan, 1, 0.04)[0][0, TORSO : TORSO + 3]
-    expected = Rotation.from_euler("ZYX", angles + [heading, 0.0, 0.0]).as_matrix()
+    expected = Rotation.from_euler("ZYX", angles + np.array([heading, 0.0, 0.0])).as_matrix()
     np.testing.assert_allclose(rotation, expected, atol=1e-12)
     before, after = turned(0.04 - step), turned(0.04 + step)
     rate = Rotation.from_matrix(after[0] @ before[0].T).as_rotvec() / (2.0 * step)

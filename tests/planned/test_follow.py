@@ -4,13 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.planned.plans import DOUBLE, HEIGHT, JOINTS, SINGLE, STEP, WIDTH, two_steps
 
 from gaitsmith.planned.clock import EARLY, make_plan_clock
 from gaitsmith.planned.evaluate import make_plan_sample
 from gaitsmith.planned.follow import follow, start_following
 from gaitsmith.planned.law import make_following
 from gaitsmith.whole_body.reference import NONE, make_reference
-from tests.planned.plans import DOUBLE, HEIGHT, JOINTS, SINGLE, STEP, WIDTH, two_steps
 
 DT = 1e-3
 SOLE = SimpleNamespace(heel=0.06, toe=0.1, half_width=0.045)

@@ -103,9 +103,9 @@ def test_cycles_are_counted_and_repeated_steps_are_kept_once(gait, robot, plan):
 
 
 def test_what_does_not_belong_together_is_refused(gait, robot):
-    with pytest.raises(BadInput, match="--gait: .* the robot that the gait was planned for"):
+    with pytest.raises(BadInput, match=r"--gait: .* the robot that the gait was planned for"):
         walkable([replace(gait, robot_hash="0" * 64)], robot)
-    with pytest.raises(BadInput, match="--gait: .* one at most"):
+    with pytest.raises(BadInput, match=r"--gait: .* one at most"):
         walkable([gait, gait], robot)
     with pytest.raises(BadInput, match="--cycles"):
         walkable([gait], robot, 0)
@@ -114,5 +114,5 @@ def test_what_does_not_belong_together_is_refused(gait, robot):
         walkable([still], robot, 3)
     bent = replace(gait.pieces[0][0], joints=gait.pieces[0][0].joints + 0.1)
     other = replace(still, pieces=((bent,), *gait.pieces[1:]))
-    with pytest.raises(BadInput, match="--gait: .* begins in the posture"):
+    with pytest.raises(BadInput, match=r"--gait: .* begins in the posture"):
         walkable([gait, other], robot, 2)
