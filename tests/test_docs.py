@@ -12,7 +12,8 @@ from pydantic import BaseModel
 
 from gaitsmith.robots import load_robot
 from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
-from gaitsmith.robots.presets import ControlParameters, GaitParameters
+from gaitsmith.robots.parameters import GaitParameters
+from gaitsmith.robots.presets import ControlParameters
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src" / "gaitsmith"
