@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -73,6 +75,19 @@ def test_the_key_changes_with_the_source_of_a_callee(monkeypatch: pytest.MonkeyP
     real = cache._module_file
     monkeypatch.setattr(cache, "_module_file", lambda name: edited if name == callee else real(name))
     assert source_key.__wrapped__(module) != before
+
+
+def test_a_kernel_outside_the_package_follows_what_it_imports(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A user's own kernel, like those of the tests, must not be stale after the package has changed."""
+    own = tmp_path / "own_loop.py"
+    own.write_text("from gaitsmith.splines.quartic_pair import evaluate_pair\n")
+    monkeypatch.setitem(sys.modules, "own_loop", SimpleNamespace(__file__=str(own)))
+    before = source_key.__wrapped__("own_loop")
+    callee = "gaitsmith.splines.polynomial"  # of the callee
+    edited, real = tmp_path / "edited.py", cache._module_file
+    edited.write_text("# edited\n")
+    monkeypatch.setattr(cache, "_module_file", lambda name: edited if name == callee else real(name))
+    assert source_key.__wrapped__("own_loop") != before
 
 
 def test_kernels_call_kernels_and_python_calls_them() -> None:

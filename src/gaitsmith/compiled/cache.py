@@ -84,10 +84,16 @@ def _module_file(module: str) -> Path | None:
     return None
 
 
+def _source_file(module: str) -> Path | None:
+    """Source file of a project module, or of somebody else's that is loaded; None where there is none to read."""
+    found = getattr(sys.modules.get(module), "__file__", None) or ""
+    return _module_file(module) or (Path(found) if found.endswith(".py") and Path(found).is_file() else None)
+
+
 @functools.cache
 def _imports(module: str) -> frozenset[str]:
     """Project modules imported by ``module``, named absolutely."""
-    path = _module_file(module)
+    path = _source_file(module)
     if path is None:
         return frozenset()
     found: set[str] = set()
@@ -119,7 +125,7 @@ def source_key(module: str) -> str:
     for part in (sys.version, platform.machine(), version("numba"), version("llvmlite"), version("numpy")):
         digest.update(part.encode())
     for name in sorted(reached):
-        path = _module_file(name)
+        path = _source_file(name)
         digest.update(name.encode())
         digest.update(path.read_bytes() if path else b"")
     return digest.hexdigest()[:20]
