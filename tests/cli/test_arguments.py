@@ -67,9 +67,9 @@ def test_what_is_in_brackets_may_be_left_out() -> None:
 @pytest.mark.parametrize(
     ("words", "field", "part"),
     [
-        (["--speed"], "--speed", "1 or 2 numbers"),
+        (["--speed"], "--speed", "1 or 2 finite numbers"),
         (["--speed", "fast"], "--speed", "'fast'"),
-        (["--speed", "1", "2", "3"], "--speed", "1 or 2 numbers"),
+        (["--speed", "1", "2", "3"], "--speed", "1 or 2 finite numbers"),
         (["--speed", "0.3", "walk.toml"], "--speed", "name the FILE before"),
         (["--speed", "nan"], "--speed", "finite"),
         (["--push", "-1,0,1,0"], "--push time", "from 0"),

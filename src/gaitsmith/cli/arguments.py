@@ -5,7 +5,6 @@ Whatever is wrong with a command line ends in one :class:`~gaitsmith.errors.BadI
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import math
 import re
@@ -17,7 +16,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from gaitsmith.documents import About, about, checked, plain, span
+from gaitsmith.documents import About, about, checked, nearest, plain, span
 from gaitsmith.errors import BadInput
 
 _NUMBER = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
@@ -94,45 +93,23 @@ class _Option:
         return self.about.metavar
 
     def value(self, words: list[str], first: str) -> Any:
-        """What the words after an option say."""
-        if not self.least <= len(words) <= self.most:
-            if self.most == 1:
-                raise BadInput(self.word, "nothing", f"a value ({self.usage})", self.about.meaning)
+        """What the words after an option say; what is no number stays a word, for the type to refuse."""
+        found = [self._one(word) for word in words]
+        right = self.least <= len(words) <= self.most
+        if self.most == 1 and not right:
+            raise BadInput(self.word, "nothing", f"a value ({self.usage})", self.about.meaning)
+        if self.most > 1 and not (right and _finite(found)):
             count = " or ".join(map(str, range(self.least, self.most + 1)))
-            raise BadInput(self.word, " ".join(words), f"{count} numbers ({self.usage})", self._remedy(first))
-        found = [self._one(word, first) for word in words]
+            remedy = f"name the {first} before the options" if first else ""
+            raise BadInput(self.word, " ".join(words), f"{count} finite numbers ({self.usage})", remedy)
         return found + [0.0] * (self.most - len(found)) if self.most > 1 else found[0]
 
-    def _remedy(self, first: str) -> str:
-        return f"name the {first} before the options" if first and self.most > 1 else ""
-
-    def _one(self, word: str, first: str) -> Any:
+    def _one(self, word: str) -> Any:
         if get_origin(self.kind) is Literal:
-            found = next((item for item in get_args(self.kind) if str(item) == word), None)
-            if found is None:
-                choices = [str(item) for item in get_args(self.kind)]
-                raise BadInput(self.word, word, f"one of {', '.join(choices)}", _nearest(word, choices))
-            return found
-        if self.kind is str:
-            if not word.strip() or "\0" in word:
-                raise BadInput(self.word, word, f"{self.usage}, a word that is not empty")
-            return word
-        if self.kind is int:
-            if not re.fullmatch(r"[+-]?\d{1,40}", word, re.ASCII):
-                raise BadInput(self.word, word, f"a whole number{self.range} ({self.usage})")
-            return int(word)
-        if self.kind is float:
-            return self._number(word, f"a finite number{self.range} ({self.usage})", self._remedy(first))
-        return self._compact(word)
-
-    def _number(self, word: str, valid: str, remedy: str) -> float:
-        try:
-            value = float(word)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise BadInput(self.word, word, valid, remedy)
-        return value
+            return next((item for item in get_args(self.kind) if str(item) == word), word)
+        if not word.strip() or "\0" in word:
+            raise BadInput(self.word, word, f"{self.usage}, a word that is not empty")
+        return self._compact(word) if issubclass(self.kind, BaseModel) else _number(self.kind, word)
 
     def _compact(self, word: str) -> dict[str, Any]:
         """A table whose required entries are numbers, written with commas."""
@@ -142,15 +119,28 @@ class _Option:
             if field.is_required()
         }
         count = sum(max(size, 1) for size in sizes.values())
-        example = ",".join(str(k + 1) for k in range(count))
-        valid, remedy = f"{count} finite numbers ({self.usage})", f"for example {self.word} {example}"
-        numbers = [self._number(part, valid, remedy) for part in word.split(",")]
-        if len(numbers) != count:
-            raise BadInput(self.word, word, valid, remedy)
+        numbers = [_number(float, part) for part in word.split(",")]
+        if len(numbers) != count or not _finite(numbers):
+            example = ",".join(str(k + 1) for k in range(count))
+            raise BadInput(
+                self.word, word, f"{count} finite numbers ({self.usage})", f"for example {self.word} {example}"
+            )
         found: dict[str, Any] = {}
         for name, size in sizes.items():
             found[name], numbers = numbers[:size] if size else numbers[0], numbers[max(size, 1) :]
         return found
+
+
+def _finite(numbers: list[Any]) -> bool:
+    return all(isinstance(number, float) and math.isfinite(number) for number in numbers)
+
+
+def _number(kind: Any, word: str) -> Any:
+    """The word as a number of a kind; the word itself if it is none, or if it is none of the kind."""
+    try:
+        return kind(word)
+    except ValueError:
+        return word
 
 
 def _options(kind: type[BaseModel]) -> list[_Option]:
@@ -222,7 +212,7 @@ def _read(options: list[_Option], words: Sequence[str], program: str) -> Iterato
             option = flags.get(name)
             if option is None:
                 raise BadInput(
-                    "option", name, f"an option of {program}", _nearest(name, flags) or f"see {program} --help"
+                    "option", name, f"an option of {program}", nearest(name, flags) or f"see {program} --help"
                 )
             given = [value] if equals else []
             if not option.most:
@@ -297,9 +287,3 @@ def _help(kind: type[BaseModel], options: list[_Option], program: str) -> str:
     head = f"usage: {program} [OPTIONS]{place}\n\n{inspect.cleandoc(kind.__doc__ or '')}\n"
     arguments = "\narguments:\n" + "\n".join(rows[True]) + "\n" if rows[True] else ""
     return f"{head}{arguments}\noptions:\n" + "\n".join(rows[False])
-
-
-def _nearest(word: str, choices: Sequence[str] | dict[str, Any]) -> str:
-    """A hint at what may have been meant."""
-    close = difflib.get_close_matches(word[:100], list(choices), n=1)
-    return f"did you mean {close[0]}?" if close else ""

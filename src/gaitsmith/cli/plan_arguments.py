@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from gaitsmith.cli.arguments import Arguments, Positional, RobotName, flag
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import Bounds, Settings
-
-if TYPE_CHECKING:
-    from gaitsmith.synthesis.requests.request import Request
+from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOST_CYCLES, RANGES, Request, stride
 
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
 _BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields
@@ -29,41 +27,13 @@ _APPLIES: dict[str, tuple[str, ...]] = {
 }
 
 
-def _stride(name: str) -> Callable[[], str]:
-    """Default and range of one of speed, step length and period."""
-
-    def shown() -> str:
-        from gaitsmith.synthesis.motions.catalogue import KickParameters
-        from gaitsmith.synthesis.requests.request import KICK_SPEEDS, RANGES, stride
-
-        length, period = stride(None, None, None)
-        low, high = RANGES[name]
-        value = {"--speed": length / period, "--step-length": length, "--period": period}[name]
-        kick = f", for a kick {KickParameters.speed:g}, from {KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g}"
-        return f"{value:g}, from {low:g} to {high:g}" + (kick if name == "--speed" else "")
-
-    return shown
+_LENGTH, _PERIOD = stride(None, None, None)
+_KICK = f", for a kick {KickParameters.speed:g}, from {KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g}"
 
 
-def _step(name: str) -> Callable[[], str]:
-    def shown() -> str:
-        from gaitsmith.synthesis.motions.catalogue import StepParameters
-
-        return f"{getattr(StepParameters, name):g}"
-
-    return shown
-
-
-def _friction() -> str:
-    from gaitsmith.synthesis.requests.request import KICK_FRICTION
-
-    return f"{_BOUNDS['friction'].default:g}, for a kick {KICK_FRICTION:g}"
-
-
-def _cycles() -> str:
-    from gaitsmith.synthesis.requests.request import MOST_CYCLES, Request
-
-    return f"{Request.cycles}, from 0 to {MOST_CYCLES}"
+def _usual(value: float, flag: str) -> str:
+    low, high = RANGES[flag]
+    return f"{value:g}, from {low:g} to {high:g}"
 
 
 class PlanArguments(Arguments):
@@ -81,27 +51,40 @@ class PlanArguments(Arguments):
     robot: RobotName = "thbip_ii"
     speed: Annotated[
         float | None,
-        About("Walking speed, m/s; for a kick the ankle's speed at the ball", metavar="V", absent=_stride("--speed")),
+        About(
+            "Walking speed, m/s; for a kick the ankle's speed at the ball",
+            metavar="V",
+            absent=_usual(_LENGTH / _PERIOD, "--speed") + _KICK,
+        ),
     ] = None
     step_length: Annotated[
-        float | None, About("From one foothold to the next", "m", "M", absent=_stride("--step-length"))
+        float | None, About("From one foothold to the next", "m", "M", absent=_usual(_LENGTH, "--step-length"))
     ] = None
-    period: Annotated[float | None, About("Of one step", "s", "S", absent=_stride("--period"))] = None
+    period: Annotated[float | None, About("Of one step", "s", "S", absent=_usual(_PERIOD, "--period"))] = None
     step_height: Annotated[
         float | None,
         Field(ge=0.005, le=0.3),
-        About("Height of the swing ankle above its height on the ground", "m", "M", absent=_step("height")),
+        About(
+            "Height of the swing ankle above its height on the ground", "m", "M", absent=f"{StepParameters.height:g}"
+        ),
     ] = None
     double_support: Annotated[
         float | None,
         Field(ge=0.05, le=0.8),
-        About("Share of the period with both feet on the ground", metavar="SHARE", absent=_step("double_support")),
+        About(
+            "Share of the period with both feet on the ground",
+            metavar="SHARE",
+            absent=f"{StepParameters.double_support:g}",
+        ),
     ] = None
     order: Annotated[
         Literal[4, 5] | None,
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=str(_SETTINGS["order"].default)),
     ] = None
-    cycles: Annotated[int | None, About("Steps of the cyclic gait in a walk", metavar="N", absent=_cycles)] = None
+    cycles: Annotated[
+        int | None,
+        About("Steps of the cyclic gait in a walk", metavar="N", absent=f"{Request.cycles}, from 0 to {MOST_CYCLES}"),
+    ] = None
     zmp_margin: Annotated[
         float | None,
         *_BOUNDS["zmp_margin"].metadata,
@@ -115,7 +98,9 @@ class PlanArguments(Arguments):
     friction: Annotated[
         float | None,
         *_BOUNDS["friction"].metadata,
-        About("Coulomb coefficient", metavar="MU", absent=_friction),
+        About(
+            "Coulomb coefficient", metavar="MU", absent=f"{_BOUNDS['friction'].default:g}, for a kick {KICK_FRICTION:g}"
+        ),
     ] = None
     time_limit: Annotated[
         float | None,
@@ -160,9 +145,6 @@ def request_from(arguments: PlanArguments, task: str) -> Request | None:
     """
     if task == FILE:
         return None
-    from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
-    from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, Request, stride
-
     friction = KICK_FRICTION if task == "kick" and arguments.friction is None else arguments.friction
     bounds = Bounds(**_given(zmp_margin=arguments.zmp_margin, friction=friction))
     settings = Settings(bounds=bounds, **_given(order=arguments.order, time_limit=arguments.time_limit))

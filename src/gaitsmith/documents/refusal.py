@@ -35,17 +35,24 @@ def refusal(error: ValidationError, model: type[BaseModel], source: str = "") ->
     entry = entry.lstrip(".")
     if first["type"] == "extra_forbidden":
         known = _keys(model, place[:-1])
-        close = difflib.get_close_matches(str(place[-1])[:100], known, n=1)
-        remedy = f"did you mean {close[0]}?" if close else ""
-        found = BadInput(entry, first["input"], f"no such entry; this table takes only {', '.join(known)}", remedy)
+        valid = f"no such entry; this table takes only {', '.join(known)}"
+        found = BadInput(entry, first["input"], valid, nearest(place[-1], known))
     elif first["type"] == _OWN:
         found = BadInput(entry, first["input"], first["msg"].removeprefix("Value error, "))
     elif first["type"] == "json_invalid":
         found = BadInput(entry, first["msg"].rpartition(": ")[2], "values that are not nested deeply")
     else:
         value = None if first["type"] == "missing" else first["input"]
-        found = BadInput(entry, value, _valid(*_hint(model, place)))
+        hint, limits = _hint(model, place)
+        choices = [str(item) for item in get_args(hint)] if get_origin(hint) is Literal else []
+        found = BadInput(entry, value, _valid(hint, limits), nearest(value, choices))
     return found.within(source)
+
+
+def nearest(word: object, choices: Iterable[str]) -> str:
+    """A hint at what may have been meant; empty where nothing is near."""
+    close = difflib.get_close_matches(str(word)[:100], list(choices), n=1)
+    return f"did you mean {close[0]}?" if close else ""
 
 
 def _keys(model: type[BaseModel], place: Iterable[int | str]) -> list[str]:

@@ -28,37 +28,23 @@ def _finite_or_none(value: float) -> float | None:
 
 def gait_document(gait: Gait) -> dict[str, Any]:
     """The gait as plain data, checksum included."""
-    phases = []
-    for phase, pieces in zip(gait.motion.phases, gait.pieces, strict=True):
-        phases.append(
-            {
-                "name": phase.name,
-                "duration": phase.duration,
-                "support": phase.support,
-                "contact": phase.contact,
-                "foothold": list(phase.foothold),
-                "other_foothold": None if phase.other is None else list(phase.other),
-                "limits": [
-                    {"quantity": item.quantity, "low": _finite_or_none(item.low), "high": _finite_or_none(item.high)}
-                    for item in phase.limits
-                ],
-                "sections": [
-                    {
-                        "start": piece.start,
-                        "duration": piece.duration,
-                        "joints": piece.joints.tolist(),
-                        "torque": piece.torque.tolist(),
-                        "wrench": piece.wrench.tolist(),
-                    }
-                    for piece in pieces
-                ],
-            }
-        )
-    conditions = [
-        {"border": item.border, "quantity": item.quantity, "value": item.value}
-        for item in gait.motion.conditions
-        if isinstance(item, At)
+    phases = [
+        {
+            **{name: getattr(phase, name) for name in ("name", "duration", "support", "contact", "foothold")},
+            "other_foothold": phase.other,
+            "limits": [
+                {"quantity": item.quantity, "low": _finite_or_none(item.low), "high": _finite_or_none(item.high)}
+                for item in phase.limits
+            ],
+            "sections": [
+                {"start": piece.start, "duration": piece.duration}
+                | {name: getattr(piece, name).tolist() for name in ("joints", "torque", "wrench")}
+                for piece in pieces
+            ],
+        }
+        for phase, pieces in zip(gait.motion.phases, gait.pieces, strict=True)
     ]
+    conditions = [vars(item) for item in gait.motion.conditions if isinstance(item, At)]
     document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
