@@ -38,17 +38,22 @@ class Work(NamedTuple):
     bias: Matrix
 
 
-_STATE = len(Tree._fields)
-_WORK = _STATE + len(TreeState._fields)
+class Bound(NamedTuple):
+    """All that a timed call binds."""
+
+    tree: Tree
+    state: TreeState
+    work: Work
 
 
 @kernel
 def run(table: int, row: int) -> None:
-    tree, state, work = bind(Tree, table, 0), bind(TreeState, table, _STATE), bind(Work, table, _WORK)
-    update_dynamics(tree, state, work.q[row], work.v[row])
+    g = bind(Bound, table)
+    work = g.work
+    update_dynamics(g.tree, g.state, work.q[row], work.v[row])
     for k in range(2):
-        point_jacobian(tree, state, work.body[k], work.point[k], work.jacobian[k])
-        point_bias(tree, state, work.body[k], work.point[k], work.bias[k])
+        point_jacobian(g.tree, g.state, work.body[k], work.point[k], work.jacobian[k])
+        point_bias(g.tree, g.state, work.body[k], work.point[k], work.bias[k])
 
 
 @kernel
@@ -137,7 +142,7 @@ def main() -> None:
         bias=np.zeros((2, 6)),
     )
     work.q[:, 3:7] /= np.linalg.norm(work.q[:, 3:7], axis=1, keepdims=True)
-    arena = Arena(tree, make_tree_state(tree), work)
+    arena = Arena(Bound(tree, make_tree_state(tree), work))
     table = arena.address
     run(table, 0)
     names = [model.body(body).name for body in bodies]

@@ -154,11 +154,11 @@ class Bound(NamedTuple):
 
 @kernel
 def call(address: int, body: int, times: int) -> None:
-    tree, state, work = bind(Bound, address)
+    g = bind(Bound, address)
     for _ in range(times):
-        update_dynamics(tree, state, work.q, work.v)
-        point_jacobian(tree, state, body, work.point, work.jacobian)
-        point_bias(tree, state, body, work.point, work.bias)
+        update_dynamics(g.tree, g.state, g.work.q, g.work.v)
+        point_jacobian(g.tree, g.state, body, g.work.point, g.work.jacobian)
+        point_bias(g.tree, g.state, body, g.work.point, g.work.bias)
 
 
 def test_allocates_nothing():

@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+import casadi as ca
 import mujoco
 import numpy as np
 import pytest
 
-from gaitsmith.dynamics.symbolic import inverse_dynamics
+from gaitsmith.dynamics import make_tree_state, read_tree, update_dynamics
+from gaitsmith.dynamics.rotation import scaled_rotation_entries
+from gaitsmith.dynamics.symbolic import BodyMotion, at_rest, newton_euler
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 
@@ -19,6 +22,25 @@ def _model(name):
     if name in ("bhr_b2", "thbip_ii"):
         return load_robot(name).model
     return mujoco.MjModel.from_xml_path(str(MODELS / f"{name}.xml"))
+
+
+def inverse_dynamics(model):
+    """CasADi function (qpos, qvel, qacc) -> generalized forces (nv); the tree hangs on the world or on a free joint."""
+    q, v, a = ca.SX.sym("q", model.nq), ca.SX.sym("v", model.nv), ca.SX.sym("a", model.nv)
+    tau = ca.SX.zeros(model.nv)
+    if model.jnt_type[0] != mujoco.mjtJoint.mjJNT_FREE:
+        found = newton_euler(model, 0, at_rest(model), q, v, a)
+    else:
+        entries = scaled_rotation_entries(2.0, *(q[3 + k] for k in range(4)))
+        R = ca.vertcat(*(ca.horzcat(*entries[3 * k : 3 * k + 3]) for k in range(3)))
+        linear = ca.mtimes(R.T, a[:3] - ca.DM(model.opt.gravity))
+        start = BodyMotion(R, q[:3], v[3:6], ca.mtimes(R.T, v[:3]), a[3:6], linear)
+        found = newton_euler(model, int(model.jnt_bodyid[0]), start, q, v, a)
+        own = ca.DM(model.dof_armature[:6]) * a[:6] + ca.DM(model.dof_damping.ravel()[:6]) * v[:6]
+        tau[:6] = ca.vertcat(ca.mtimes(R, found.root_force), found.root_moment) + own
+    for dof, value in found.generalized.items():
+        tau[dof] = value
+    return ca.Function("inverse_dynamics", [q, v, a], [tau])
 
 
 @pytest.mark.parametrize("name", TREES)
@@ -35,6 +57,20 @@ def test_inverse_dynamics_equal_mujocos(name):
         found = np.array(function(q, v, a)).ravel()
         scale = max(1.0, float(np.abs(data.qfrc_inverse).max()))
         assert np.abs(found - data.qfrc_inverse).max() < AGREEMENT * scale
+
+
+@pytest.mark.parametrize("name", ["bhr_b2", "thbip_ii"])
+def test_symbolic_and_compiled_dynamics_are_one(name):
+    """M q̈ + h by the kernels, with the joints' damping, is the recursion's force."""
+    model = load_robot(name).model
+    tree = read_tree(model)
+    state, rng = make_tree_state(tree), np.random.default_rng(2)
+    q, v, a = rng.normal(size=model.nq) * 0.6, rng.normal(size=model.nv), rng.normal(size=model.nv) * 5.0
+    q[3:7] /= np.linalg.norm(q[3:7])
+    update_dynamics(tree, state, q, v)
+    compiled = state.mass_matrix @ a + state.bias + model.dof_damping.ravel()[: model.nv] * v
+    symbolic = np.array(inverse_dynamics(model)(q, v, a)).ravel()
+    assert np.abs(compiled - symbolic).max() < AGREEMENT * np.abs(symbolic).max()
 
 
 def test_reflected_inertia_damping_and_springs_are_the_models():

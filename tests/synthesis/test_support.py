@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
-from gaitsmith.synthesis.gaits.support import contact_points, hull, zmp, zmp_margin
+from gaitsmith.synthesis.gaits.support import contact_points, hull, inside, zmp, zmp_margin
 from gaitsmith.synthesis.motions.motion import Phase
 
 ROUNDING = 1e-12
@@ -47,6 +50,28 @@ def test_both_feet_bear_between_the_soles(planner):
     points = {"left": (0.5, 0.1), "right": (0.3, -0.1)}
     assert zmp_margin(planner.biped, STEP, pressed(STEP, points)) > 0.0
     assert len(hull(contact_points(planner.biped, STEP))) == 6
+
+
+# Corners on a millimetre grid: collinear and repeated ones come up often.
+clouds = arrays(np.int64, st.tuples(st.integers(4, 12), st.just(2)), elements=st.integers(-300, 300)).map(
+    lambda grid: grid * 1e-3
+)
+
+
+@given(clouds)
+def test_the_hull_holds_its_points_and_turns_left_only(points):
+    corners = hull(points)
+    assume(len(corners) > 2)
+    assert inside(corners, points.T).min() > -ROUNDING
+    edges = np.roll(corners, -1, axis=0) - corners
+    following = np.roll(edges, -1, axis=0)
+    assert np.all(edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0] > 0.0)
+
+
+def test_distances_from_a_rectangles_edge():
+    rectangle = hull(np.array([(x, y) for x in (-0.1, 0.2) for y in (-0.03, 0.03)]))
+    points = np.array([[0.0, 0.0], [0.19, 0.0], [0.25, 0.0]]).T
+    assert np.abs(inside(rectangle, points) - [0.03, 0.01, -0.05]).max() < ROUNDING
 
 
 def test_hull_of_points():

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.dynamics.rotation import rotation_matrix, scaled_rotation_entries
+from gaitsmith.dynamics.rotation import rotation_matrix
 from gaitsmith.errors import BadInput
 
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3  # mjtJoint
@@ -271,34 +271,3 @@ def at_rest(model: Any, rotation: Any = None, position: Any = None) -> BodyMotio
     p = ca.DM.zeros(3) if position is None else ca.DM(position)
     zero = ca.DM.zeros(3)
     return BodyMotion(R, p, zero, zero, zero, -ca.mtimes(R.T, ca.DM(model.opt.gravity)))
-
-
-def inverse_dynamics(model: Any) -> Any:
-    """CasADi function (qpos, qvel, qacc) -> generalized forces (nv), equal to ``mj_inverse`` without contacts.
-
-    The tree hangs on the world or on one free joint, whose forces come first.
-
-    Raises:
-        BadInput: a joint is neither hinge, slide, nor the one free joint.
-    """
-    q, v, a = ca.SX.sym("q", model.nq), ca.SX.sym("v", model.nv), ca.SX.sym("a", model.nv)
-    free = [j for j in range(model.njnt) if model.jnt_type[j] == _FREE]
-    tau = ca.SX.zeros(model.nv)
-    if not free:
-        found = newton_euler(model, 0, at_rest(model), q, v, a)
-    else:
-        if len(free) > 1:
-            raise BadInput("free joints", len(free), "at most one", "plan for one robot at a time")
-        base = int(model.jnt_bodyid[free[0]])
-        entries = scaled_rotation_entries(2.0, *(q[3 + k] for k in range(4)))
-        R = ca.vertcat(*(ca.horzcat(*entries[3 * k : 3 * k + 3]) for k in range(3)))
-        linear = ca.mtimes(R.T, a[:3] - ca.DM(model.opt.gravity))
-        start = BodyMotion(R, q[:3], v[3:6], ca.mtimes(R.T, v[:3]), a[3:6], linear)
-        found = newton_euler(model, base, start, q, v, a)
-        armature = ca.DM(np.array(model.dof_armature[:6]))
-        damping = ca.DM(np.array([model.dof_damping[k].flat[0] for k in range(6)]))
-        own = armature * a[:6] + damping * v[:6]
-        tau[:6] = ca.vertcat(ca.mtimes(R, found.root_force), found.root_moment) + own
-    for dof, value in found.generalized.items():
-        tau[dof] = value
-    return ca.Function("inverse_dynamics", [q, v, a], [tau], ["qpos", "qvel", "qacc"], ["force"])

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.gaits.base_motion import BaseMotion
+from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, follow, unrolled
 from gaitsmith.synthesis.gaits.support import zmp
 from gaitsmith.synthesis.motions.biped import biped_from
@@ -66,7 +66,7 @@ class UnrolledGait:
         if self.duration > LONGEST:
             valid = f"1 to {int(LONGEST / gait.duration)}, an hour in all at {gait.duration:.4g} s a step"
             raise BadInput("--steps", steps, valid)
-        self._base = BaseMotion(robot)
+        self._finder = StateFinder(robot)
         self._pair = unrolled(gait, biped.partner, biped.sign, min(self.steps, 2))
         self._travel = np.zeros(2)
         if self.steps > 2:
@@ -82,17 +82,19 @@ class UnrolledGait:
         within, away = times - turns * pair.duration, turns[:, None] * self._travel
         borders = pair.motion.borders
         index = np.clip(np.searchsorted(borders, within, side="right") - 1, 0, len(borders) - 2)
-        model, count = self._base.robot.model, len(times)
+        model, count = self._finder.model, len(times)
         widths = (model.nq, model.nv, model.nv, 3, joints, CHANNELS, 2)
         found = Samples(
             [pair.motion.phases[number] for number in index.tolist()], *(np.zeros((count, w)) for w in widths)
         )
         for number in np.unique(index).tolist():
             phase, mask = pair.motion.phases[number], np.flatnonzero(index == number)
-            footholds = np.array(phase.foothold) + away[mask]
-            states = self._base.states(phase.support, footholds, *pair.joints(number, within[mask]))
-            for name in ("position", "velocity", "acceleration", "com"):
-                getattr(found, name)[mask] = getattr(states, name)
+            q, v, a = (values.T for values in pair.joints(number, within[mask]))
+            for k, row in enumerate(mask.tolist()):
+                x, y = phase.foothold + away[row]
+                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k])
+                found.position[row], found.velocity[row] = state.position, state.velocity
+                found.acceleration[row], found.com[row] = state.acceleration, self._finder.centre_of_mass()
             found.torque[mask] = pair.torques(number, within[mask]).T
             wrenches = pair.wrenches(number, within[mask])
             with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
