@@ -15,7 +15,7 @@ import numpy as np
 from gaitsmith.compiled import Matrix, Vector
 from gaitsmith.dynamics import Tree, make_tree_state, point_jacobian, read_tree, sole_pose, update_dynamics
 from gaitsmith.robots import Robot, load_robot
-from gaitsmith.whole_body.frames import Legs, make_legs
+from gaitsmith.whole_body.legs import Legs, make_legs
 
 DT = 1e-3
 PERIOD, DOUBLE = 0.4, 0.06  # s: a step, and its first part with both soles loaded
@@ -87,7 +87,7 @@ def synthetic_walk(duration: float, speed: float = 0.4, climb: float = 0.0) -> W
     """The truth of one walk of BHR-B2; ``climb`` is how much higher every foothold lies than the last of its leg."""
     robot = load_robot("bhr_b2")
     tree = read_tree(robot.model)
-    legs = make_legs(robot, tree)
+    legs = make_legs(robot)
     state = make_tree_state(tree)
     place, axes, jacobian = np.zeros(3), np.zeros((3, 3)), np.zeros((6, robot.model.nv))
 

@@ -9,6 +9,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from tests.control.synthetic_walk import DT, IDEAL, Sensors, Walk, synthetic_walk
 
 from gaitsmith.compiled import Arena, IntVector, Matrix, Vector, bind, kernel
+from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.dynamics import Tree, TreeState, make_tree_state
 from gaitsmith.estimation.estimator import (
     EstimatorGains,
@@ -18,8 +19,7 @@ from gaitsmith.estimation.estimator import (
     make_estimator_state,
 )
 from gaitsmith.estimation.measurement import Measurement, make_measurement
-from gaitsmith.robots.presets import EstimatorParameters
-from gaitsmith.whole_body.frames import Legs
+from gaitsmith.whole_body.legs import Legs
 
 CONTACT_FORCE = 30.0  # N
 LEVEL, SLOPE = (4.0, 0.4, 0.0), (1.6, 0.4, 0.04)  # duration, speed, climb a stride
@@ -52,22 +52,28 @@ class Setup(NamedTuple):
     gains: EstimatorGains
     state: EstimatorState
     measurement: Measurement
+    refused: IntVector
 
     def __call__(self, q: Vector, v: Vector, planned: IntVector) -> bool:
         walk = self.walk
         parts = (walk.tree, self.tree_state, walk.legs, self.gains, self.state, self.measurement)
-        return estimate(*parts, DT, planned, q, v)
+        return estimate(*parts, DT, planned, self.refused, q, v)
 
 
 def _setup(walk: Walk) -> Setup:
     nj = walk.q.shape[1] - 7
     gains = make_estimator_gains(
-        EstimatorParameters(), walk.robot.imu_position, CONTACT_FORCE, 9.81 * walk.tree.total_mass
+        preset_parameters(walk.robot, robot_scale(walk.robot), "default").estimator,
+        walk.robot.imu_position,
+        CONTACT_FORCE,
+        9.81 * walk.tree.total_mass,
     )
     measurement = make_measurement(nj)
     for unread in (measurement.base_position, measurement.base_velocity, measurement.joint_velocity):
         unread[:] = np.nan
-    return Setup(walk, make_tree_state(walk.tree), gains, make_estimator_state(nj), measurement)
+    return Setup(
+        walk, make_tree_state(walk.tree), gains, make_estimator_state(nj), measurement, np.zeros(8, dtype=np.int64)
+    )
 
 
 def _sense(measurement: Measurement, walk: Walk, k: int, sensors: Sensors, bias: Vector, rng) -> None:
@@ -218,6 +224,7 @@ class Call(NamedTuple):
     """What the allocation test passes besides."""
 
     planned: IntVector
+    refused: IntVector
     q: Vector
     v: Vector
 
@@ -236,10 +243,11 @@ class Bound(NamedTuple):
 
 @kernel
 def call(table: int, times: int) -> int:
-    tree, tree_state, legs, gains, state, measurement, work = bind(Bound, table)
+    g = bind(Bound, table)
+    groups, work = (g.tree, g.tree_state, g.legs, g.gains, g.state, g.measurement), g.work
     good = 0
     for _ in range(times):
-        good += estimate(tree, tree_state, legs, gains, state, measurement, 1e-3, work.planned, work.q, work.v)
+        good += estimate(*groups, 1e-3, work.planned, work.refused, work.q, work.v)
     return good
 
 
@@ -247,7 +255,7 @@ def test_allocates_nothing():
     walk = synthetic_walk(*SLOPE)
     setup = _setup(walk)
     _sense(setup.measurement, walk, 0, IDEAL, np.zeros(3), np.random.default_rng(0))
-    work = Call(np.ones(2, dtype=np.int64), np.zeros(walk.q.shape[1]), np.zeros(walk.v.shape[1]))
+    work = Call(np.ones(2, dtype=np.int64), setup.refused, np.zeros(walk.q.shape[1]), np.zeros(walk.v.shape[1]))
     arena = Arena(Bound(walk.tree, setup.tree_state, walk.legs, setup.gains, setup.state, setup.measurement, work))
     assert call(arena.address, 1) == 1
     _nrt_python.memsys_enable_stats()

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.estimation.filters import (
     correct_axis,
     filter_attitude,
@@ -16,11 +17,13 @@ from gaitsmith.estimation.filters import (
     predict_axis,
 )
 from gaitsmith.estimation.measurement import make_measurement
-from gaitsmith.robots.presets import EstimatorParameters
+from gaitsmith.robots import load_robot
 
 DT = 1e-3
 ROUNDING = 1e-12  # absolute; all numbers are of order 1
-GAINS = make_estimator_gains(EstimatorParameters(), np.zeros(3), 30.0, 400.0)
+BHR = load_robot("bhr_b2")
+PARAMETERS = preset_parameters(BHR, robot_scale(BHR), "default").estimator
+GAINS = make_estimator_gains(PARAMETERS, np.zeros(3), 30.0, 400.0)
 
 
 def _matrix(row: np.ndarray) -> np.ndarray:
