@@ -17,7 +17,7 @@ from gaitsmith.cli.printing import Printer
 from gaitsmith.errors import BadInput, CacheRefused
 
 LEAVES = sorted(dispatch.COMMANDS)
-HELP_SECONDS = 0.5
+HELP_SECONDS = 0.8  # a quarter of a second where nothing else runs
 
 
 @pytest.fixture

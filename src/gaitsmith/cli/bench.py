@@ -76,52 +76,29 @@ class BatteryArguments(Arguments):
     out: _Folder = "runs/bench"
 
 
-def tick(words: list[str], program: str) -> Outcome:
-    """Run ``bench tick``.
-
-    Raises:
-        BadInput: the command line or the robot cannot be used.
-    """
-    return _measure("measure_tick", parse(TickArguments, words, program))
+_EXPERIMENTS: dict[str, tuple[type[Arguments], str]] = {
+    "tick": (TickArguments, "measure_tick"),
+    "push": (PushArguments, "push_grids"),
+    "battery": (BatteryArguments, "run_battery"),
+}
 
 
-def push(words: list[str], program: str) -> Outcome:
-    """Run ``bench push``.
-
-    Raises:
-        BadInput: the command line, the robot or the folder cannot be used.
-    """
-    return _measure("push_grids", parse(PushArguments, words, program))
-
-
-def battery(words: list[str], program: str) -> Outcome:
-    """Run ``bench battery``.
-
-    Raises:
-        BadInput: the command line, the robot or the folder cannot be used.
-    """
-    return _measure("run_battery", parse(BatteryArguments, words, program))
-
-
-def _measure(name: str, arguments: Any) -> Outcome:
-    """Run one experiment with progress on stderr.
+def bench(words: list[str], program: str) -> Outcome:
+    """Run the experiment that the program's last word names, with progress on stderr.
 
     An experiment takes the options by name and ``progress(done, total, what)``; it returns ``document`` (plain
     data), ``columns`` and ``rows`` (words), ``notes`` (lines) and ``interrupted``.
+
+    Raises:
+        BadInput: the command line, the robot or the folder cannot be used.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    kind, name = _EXPERIMENTS[program.split()[-1]]
+    options = parse(kind, words, program).model_dump(exclude={"json_"})
+    from gaitsmith.cli.display import Display
 
     experiment: Callable[..., Any] = getattr(import_module("gaitsmith.experiments"), name)
-    options = arguments.model_dump(exclude={"json_"})
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("loading (the first time compiles)", total=None)
-
-        def advance(done: int, total: int, what: str) -> None:
-            progress.update(task, completed=done, total=total, description=what)
-
+    with Display("loading (the first time compiles)") as display:
+        advance = lambda done, total, what: display.show(what, f"{done} of {total}", done, total)  # noqa: E731
         result = experiment(**options, progress=advance)
     with uninterrupted():  # the figures belong to what is recorded already
         _draw_grids(result.document, options)
@@ -144,17 +121,9 @@ def _draw_grids(document: dict[str, Any], options: dict[str, Any]) -> None:
 
 
 def _print_result(result: Any) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    from gaitsmith.cli.printing import Printer
+    from gaitsmith.cli.printing import Printer, table
 
     console = Printer()
-    table = Table(box=SIMPLE_HEAD)
-    for index, heading in enumerate(result.columns):
-        table.add_column(heading, justify="right" if index else "left")
-    for row in result.rows:
-        table.add_row(*row)
-    console.print(table)
+    console.print(table(result.columns, result.rows))
     for note in result.notes:
         console.print(note)

@@ -33,17 +33,10 @@ def claims(robot_name: str) -> Outcome:
         items = paper_claims(gaits[0], gaits[1], robot)
 
     def show() -> None:
-        from rich.box import SIMPLE_HEAD
-        from rich.table import Table
+        from gaitsmith.cli.printing import Printer, table
 
-        from gaitsmith.cli.printing import Printer
-
-        table = Table(box=SIMPLE_HEAD)
-        for heading in ("the paper's claim", "here", "verdict"):
-            table.add_column(heading)
-        for item in items:
-            table.add_row(item.claim, item.found, "holds" if item.holds else "does not hold")
-        Printer().print(table)
+        rows = [(item.claim, item.found, "holds" if item.holds else "does not hold") for item in items]
+        Printer().print(table(("the paper's claim", "here", "verdict"), rows, left=(0, 1, 2)))
 
     return Outcome(DONE, _document("solved", "", [item.as_dict() for item in items]), show)
 

@@ -62,9 +62,9 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("robots", "list"): Command("gaitsmith.cli.robots", "list_robots", "the robots that come with the package"),
     ("robots", "show"): Command("gaitsmith.cli.robots", "show", "a robot's joints, legs, limits and assumptions"),
     ("robots", "check"): Command("gaitsmith.cli.robots", "check", "check a card and the model it names"),
-    ("bench", "tick"): Command("gaitsmith.cli.bench", "tick", "time of one control tick"),
-    ("bench", "push"): Command("gaitsmith.cli.bench", "push", "pushes in all directions and phases"),
-    ("bench", "battery"): Command("gaitsmith.cli.bench", "battery", "speeds, heights, slopes, boxes, noise"),
+    ("bench", "tick"): Command("gaitsmith.cli.bench", "bench", "time of one control tick"),
+    ("bench", "push"): Command("gaitsmith.cli.bench", "bench", "pushes in all directions and phases"),
+    ("bench", "battery"): Command("gaitsmith.cli.bench", "bench", "speeds, heights, slopes, boxes, noise"),
 }
 
 

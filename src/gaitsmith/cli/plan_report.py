@@ -12,10 +12,7 @@ _ROWS = 12
 
 def print_plan(document: dict[str, Any], robot: Robot) -> None:
     """The result of a plan as tables."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    from gaitsmith.cli.printing import Printer, figure
+    from gaitsmith.cli.printing import Printer, figure, table
 
     console = Printer()
     times = document["time_s"]
@@ -31,12 +28,9 @@ def print_plan(document: dict[str, Any], robot: Robot) -> None:
     if document["max_torque"] is not None:
         margin, jump = figure(document["zmp_margin_mm"], ".1f"), figure(document["torque_jump"], ".2g")
         console.print(f"smallest ZMP margin in single support {margin} mm, largest jump of a torque {jump} N·m")
-        table = Table(box=SIMPLE_HEAD)
-        for heading in ("joint", "peak torque\nN·m", "limit\nN·m"):
-            table.add_column(heading, justify="left" if heading == "joint" else "right")
-        for (name, value), limit in zip(document["max_torque"].items(), robot.torque_limit, strict=True):
-            table.add_row(name, f"{value:.2f}", f"{limit:g}")
-        console.print(table)
+        torques = zip(document["max_torque"].items(), robot.torque_limit, strict=True)
+        rows = [(name, f"{value:.2f}", f"{limit:g}") for (name, value), limit in torques]
+        console.print(table(("joint", "peak torque\nN·m", "limit\nN·m"), rows))
     print_worst(console, document["worst"])
     for warning in document["warnings"]:
         console.print(f"warning: {warning}", soft_wrap=True)
@@ -50,24 +44,17 @@ def print_worst(console: Any, worst: list[dict[str, Any]]) -> None:
     """The constraints closest to their limits, if any were looked at."""
     if not worst:
         return
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
+    from gaitsmith.cli.printing import table
 
-    table = Table(box=SIMPLE_HEAD, title="closest to their limits", title_justify="left")
-    for heading in ("constraint", "worst", "limit", "unit", "time\ns", "phase", "beyond\n% of range"):
-        table.add_column(heading, justify="left" if heading in ("constraint", "unit", "phase") else "right")
-    for item in worst[:_ROWS]:
-        beyond = 100.0 * item["violation"]
-        table.add_row(
-            item["constraint"],
-            f"{item['value']:.4g}",
-            f"{item['limit']:.4g}",
-            item["unit"],
-            f"{item['time']:.3f}",
-            item["phase"],
-            f"{beyond:+.3f}",
+    headings = ("constraint", "worst", "limit", "unit", "time\ns", "phase", "beyond\n% of range")
+    rows = [
+        (
+            *(item["constraint"], f"{item['value']:.4g}", f"{item['limit']:.4g}", item["unit"]),
+            *(f"{item['time']:.3f}", item["phase"], f"{100.0 * item['violation']:+.3f}"),
         )
-    console.print(table)
+        for item in worst[:_ROWS]
+    ]
+    console.print(table(headings, rows, left=(0, 3, 5), title="closest to their limits"))
 
 
 def print_verdict(document: dict[str, Any]) -> None:

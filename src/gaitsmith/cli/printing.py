@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NoReturn
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
+from rich.table import Table
 
 from gaitsmith.cli.dispatch import printable
 
@@ -32,6 +34,16 @@ class Printer(Console):
     def on_broken_pipe(self) -> NoReturn:
         """Leave the exit code to the command; the base class would exit with 1, which means a fall here."""
         raise BrokenPipeError
+
+
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,), title: str = "") -> Table:
+    """A table of words; the columns numbered in ``left`` hold words, the others numbers."""
+    made = Table(box=SIMPLE_HEAD, title=title or None, title_justify="left")
+    for index, heading in enumerate(headings):
+        made.add_column(heading, justify="left" if index in left else "right")
+    for row in rows:
+        made.add_row(*row)
+    return made
 
 
 def figure(value: float | None, form: str) -> str:

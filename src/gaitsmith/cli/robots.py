@@ -92,10 +92,7 @@ def check(words: list[str], program: str) -> Outcome:
 
 def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
     """Legs, limits and assumptions as tables."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    from gaitsmith.cli.printing import Printer
+    from gaitsmith.cli.printing import Printer, table
 
     console = Printer()
     console.print(f"{robot.card.name}: {robot.card.description}")
@@ -104,13 +101,11 @@ def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
         sole = leg.sole
         size = f"heel {sole.heel:g} m, toe {sole.toe:g} m" + (f", ±{sole.half_width:g} m" if sole.half_width else "")
         console.print(f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}")
-    table = Table(box=SIMPLE_HEAD)
-    for heading in ("joint", "from", "to", "speed\nper s", "torque\nN·m"):
-        table.add_column(heading, justify="left" if heading == "joint" else "right")
-    for name, limit in document["limits"].items():
-        low, high = limit["position"]
-        table.add_row(name, f"{low:g}", f"{high:g}", f"{limit['velocity']:g}", f"{limit['torque']:g}")
-    console.print(table)
+    rows = [
+        (name, *(f"{value:g}" for value in (*limit["position"], limit["velocity"], limit["torque"])))
+        for name, limit in document["limits"].items()
+    ]
+    console.print(table(("joint", "from", "to", "speed\nper s", "torque\nN·m"), rows))
     console.print(f"presets: {', '.join(document['presets'])}")
     for assumption in robot.card.assumptions:
         console.print(f"assumed: {assumption.what}: {assumption.value} ({assumption.why})")

@@ -22,20 +22,19 @@ def sweep(robot: str, jobs: int) -> Outcome:
     document = sweep_document(cells)
 
     def show() -> None:
-        from rich.box import SIMPLE_HEAD
-        from rich.table import Table
-
-        from gaitsmith.cli.printing import Printer
+        from gaitsmith.cli.printing import Printer, table
 
         printer = Printer()
         printer.print(f"{document['certified']} of {document['reachable']} gaits within reach certified")
-        table = Table(box=SIMPLE_HEAD)
-        for heading in ("speed\nm/s", "period\ns", "step\nm", "status", "objective", "iterations", "s", "ZMP\nmm"):
-            table.add_column(heading, justify="left" if heading == "status" else "right")
-        for cell in cells:
-            numbers = (f"{cell.objective:.1f}", str(cell.iterations), f"{cell.time_s:.2f}", f"{cell.zmp_margin_mm:.1f}")
-            table.add_row(f"{cell.speed:.3f}", f"{cell.period:.2f}", f"{cell.length:.3f}", cell.status, *numbers)
-        printer.print(table)
+        headings = ("speed\nm/s", "period\ns", "step\nm", "status", "objective", "iterations", "s", "ZMP\nmm")
+        rows = [
+            (
+                *(f"{cell.speed:.3f}", f"{cell.period:.2f}", f"{cell.length:.3f}", cell.status),
+                *(f"{cell.objective:.1f}", str(cell.iterations), f"{cell.time_s:.2f}", f"{cell.zmp_margin_mm:.1f}"),
+            )
+            for cell in cells
+        ]
+        printer.print(table(headings, rows, left=(3,)))
         for cell in cells:
             if cell.status == "failed":
                 printer.print(f"{cell.speed:.3f} m/s, {cell.period:.2f} s: {cell.reason}", soft_wrap=True)
