@@ -1,4 +1,4 @@
-"""Reading with a bound, writing whole or not at all, and keeping Ctrl-C out of what must not stop half-way."""
+"""Reading with a bound, writing whole or not at all, and keeping signals out of what must not stop half-way."""
 
 from __future__ import annotations
 
@@ -10,32 +10,43 @@ import stat
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from gaitsmith.errors import BadInput
+
+ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Signals that ask a run to end: Ctrl-C, the end of a session or of a batch job, a terminal that closes."""
+
+
+def open_regular(path: str | Path) -> BinaryIO:
+    """A regular file, open for reading.
+
+    Raises:
+        BadInput: the file is missing, unreadable, or not a regular file (a pipe is never waited for).
+    """
+    try:
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    except (OSError, ValueError) as error:
+        raise BadInput(str(path), _reason(error), "a readable file") from None
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise BadInput(str(path), "something else", "a regular file")
+    return os.fdopen(handle, "rb")
 
 
 def read_bounded(path: str | Path, limit: int) -> bytes:
     """Content of a regular file of at most `limit` bytes.
 
     Raises:
-        BadInput: the file is missing, unreadable, not a regular file (a pipe is never waited for), or too large.
+        BadInput: as :func:`open_regular`, or the file is too large.
     """
-    shown = str(path)
     try:
-        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    except (OSError, ValueError) as error:
-        raise BadInput(shown, _reason(error), "a readable file") from None
-    try:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            raise BadInput(shown, "something else", "a regular file")
-        with os.fdopen(handle, "rb", closefd=False) as file:
+        with open_regular(path) as file:
             content = file.read(limit + 1)
     except OSError as error:
-        raise BadInput(shown, _reason(error), "a readable file") from None
-    finally:
-        os.close(handle)
+        raise BadInput(str(path), _reason(error), "a readable file") from None
     if len(content) > limit:
-        raise BadInput(shown, f"more than {limit} bytes", f"at most {limit} bytes")
+        raise BadInput(str(path), f"more than {limit} bytes", f"at most {limit} bytes")
     return content
 
 
@@ -104,15 +115,16 @@ def why_unwritable(folder: Path) -> str:
 
 @contextlib.contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Ignore Ctrl-C, here and in processes started meanwhile; elsewhere than in the main thread it cannot come."""
+    """Ignore :data:`ENDING`, here and in processes started meanwhile; only the main thread is ever told of them."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in ENDING}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _sync_folder(folder: Path) -> None:

@@ -1,29 +1,26 @@
-"""The log of a run: a ring of rows in the loop, an MCAP file on disk, and the way back.
-
-The file has one channel, ``/gaitsmith``, with one message per row: CDR-encoded 64-bit floats under a ``ros2msg``
-schema, which Foxglove and the ROS 2 tools read. Log time is simulated time in ns.
-"""
+"""The log of a run: rows written to disk while it goes, and the way back."""
 
 from __future__ import annotations
 
 import io
-import json
-import re
+import time
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded, write_bytes_atomic
+from gaitsmith.files import open_regular, write_bytes_atomic
+from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, Event, Head, message_rows
 
-TOPIC = "/gaitsmith"
-_SCHEMA = "gaitsmith/msg/Tick"
-_NOTES = "gaitsmith"
-_CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-_LARGEST = 2_000_000_000  # bytes of a log file that is read back
+DECIMATION = 4
+"""Control ticks per row."""
+_EVERY = 0.5  # s of wall time after which rows go to disk
+_CAPACITY = 2048  # rows after which they do in any case
 
 
 @dataclass(frozen=True)
@@ -34,8 +31,10 @@ class Log:
         columns: names; the first is ``time``, s. What the plant knows to be true begins with ``true.``.
         rows: (n, m).
         decimation: control ticks per row.
-        dropped: rows that the ring had to give up because the run was longer than it.
-        notes: what was run, as plain data: the scenario, the version.
+        dropped: rows that are missing.
+        notes: what was run, as plain data: the scenario, the robot.
+        events: what was told to the controller, and pushes, each with its ``time``, s.
+        complete: whether the file was finished; a run that was killed leaves one that was not.
     """
 
     columns: tuple[str, ...]
@@ -43,6 +42,8 @@ class Log:
     decimation: int = 1
     dropped: int = 0
     notes: dict[str, Any] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
+    complete: bool = True
 
     @property
     def time(self) -> npt.NDArray[np.float64]:
@@ -65,105 +66,147 @@ class Log:
         Raises:
             BadInput: the file cannot be written.
         """
-        write_bytes_atomic(path, _encode(self))
+        file = io.BytesIO()
+        writer = ChunkWriter(file, Head(self.columns, self.decimation, self.dropped, self.notes))
+        writer.write(message_rows(len(self.columns), 0), self.events)
+        for first in range(0, len(self.rows), _CAPACITY):
+            rows = self.rows[first : first + _CAPACITY]
+            messages = message_rows(len(self.columns), len(rows))
+            messages["row"] = rows
+            writer.write(messages)
+        writer.finish()
+        write_bytes_atomic(path, file.getvalue())
 
 
 class Recorder:
-    """Keeps rows during a run in memory that is allocated once.
+    """Writes rows while a run goes: what is older than half a second of wall time is on disk.
 
     Args:
-        telemetry: (a,) buffer that holds the controller's numbers, the time first.
-        observed: (b,) buffer that holds the plant's.
-        columns: names of all a + b numbers.
-        ticks: length of the run in control ticks.
+        file: unbuffered, at its beginning; stays the caller's to close.
+        sources: buffers that hold a row's numbers, one after the other; the first number is the time, s.
+        columns: names of all numbers.
+        notes: what is run, as plain data.
         decimation: control ticks per row.
-        capacity: most rows kept; a longer run keeps the latest ones.
+
+    Attributes:
+        dropped: rows that came after :meth:`close`.
+        closed: whether the file is complete.
+
+    Raises:
+        BadInput: the disk is full.
     """
 
     def __init__(
         self,
-        telemetry: npt.NDArray[np.float64],
-        observed: npt.NDArray[np.float64],
+        file: BinaryIO,
+        sources: Sequence[npt.NDArray[np.float64]],
         columns: tuple[str, ...],
-        ticks: int,
-        decimation: int = 4,
-        capacity: int = 150_000,
+        notes: dict[str, Any],
+        decimation: int = DECIMATION,
     ) -> None:
-        self._telemetry, self._observed = telemetry, observed
-        self._split = len(telemetry)
-        self._columns = columns
-        self.decimation = decimation
-        self._ring = np.empty((max(1, min(capacity, ticks // decimation + 1)), len(columns)))
-        self._count = 0
+        self.decimation, self.dropped, self.closed = decimation, 0, False
+        self._messages = message_rows(len(columns), _CAPACITY)
+        self._rows = self._messages["row"]
+        ends = np.cumsum([len(source) for source in sources]).tolist()
+        self._sources = [(slice(end - len(source), end), source) for end, source in zip(ends, sources, strict=True)]
+        self._count, self._events = 0, list[Event]()
+        self._written_until, self._flushed = 0.0, time.monotonic()
+        try:
+            self._writer = ChunkWriter(file, Head(columns, decimation, 0, notes))
+        except OSError as error:
+            raise self._full(error) from None
 
-    def keep(self, tick: int) -> None:
-        """Copy the present row if its turn has come."""
+    @property
+    def rows(self) -> int:
+        """Rows kept so far."""
+        return self._writer.rows + self._count
+
+    def observe(self, tick: int) -> bool:
+        """Take the present row if its turn has come; never ends the run.
+
+        Raises:
+            BadInput: the disk is full; what was written before can be read.
+        """
         if tick % self.decimation:
-            return
-        row = self._ring[self._count % len(self._ring)]
-        row[: self._split] = self._telemetry
-        row[self._split :] = self._observed
+            return False
+        if self.closed:
+            self.dropped += 1
+            return False
+        row = self._rows[self._count]
+        for place, source in self._sources:
+            row[place] = source
         self._count += 1
+        if self._count == _CAPACITY or time.monotonic() - self._flushed >= _EVERY:
+            self.flush()
+        return False
 
-    def log(self, notes: dict[str, Any]) -> Log:
-        """What has been kept so far."""
-        size = len(self._ring)
-        first = max(0, self._count - size)
-        rows = self._ring[np.arange(first, self._count) % size]
-        return Log(self._columns, rows, self.decimation, first, notes)
+    def note(self, event: Event) -> None:
+        """Keep something that happened once; ``event`` has its ``time``, s."""
+        if not self.closed:
+            self._events.append(event)
+
+    def flush(self) -> None:
+        """Write what has been kept.
+
+        Raises:
+            BadInput: the disk is full; what was written before can be read.
+        """
+        kept = self._messages[: self._count]
+        try:
+            self._writer.write(kept, self._events)
+        except OSError as error:
+            raise self._full(error) from None
+        if self._count:
+            self._written_until = float(self._rows[self._count - 1, 0])
+        self._count, self._events, self._flushed = 0, [], time.monotonic()
+
+    def close(self) -> None:
+        """Write the rest and finish the file.
+
+        Raises:
+            BadInput: the disk is full.
+        """
+        if self.closed:
+            return
+        self.flush()
+        try:
+            self._writer.finish()
+        except OSError as error:
+            raise self._full(error) from None
+        self.closed = True
+
+    def _full(self, error: OSError) -> BadInput:
+        """What to tell of a file that takes no more."""
+        kept = getattr(self, "_written_until", 0.0)
+        reason = (error.strerror or str(error)).lower()
+        return BadInput("log", reason, "a disk with room for it", f"the log is kept up to {kept:.3f} s")
 
 
-def field_names(columns: tuple[str, ...]) -> list[str]:
-    """Columns as field names of a message: lower case, digits and single underscores, no two alike."""
-    names: list[str] = []
-    for column in columns:
-        base = re.sub(r"[^a-z0-9]+", "_", column.lower()).strip("_") or "field"
-        base = base if base[0].isalpha() else "f_" + base
-        name, k = base, 2
-        while name in names:
-            name, k = f"{base}_{k}", k + 1
-        names.append(name)
-    return names
+def read_log(path: str | Path, last: int | None = None) -> Log:
+    """Log that a run or :meth:`Log.write` wrote, as far as it is whole; :attr:`Log.complete` says whether it is.
 
-
-def _encode(log: Log) -> bytes:
-    """A log as the bytes of an MCAP file."""
-    from mcap.writer import CompressionType, Writer
-
-    file = io.BytesIO()
-    writer = Writer(file, compression=CompressionType.ZSTD, chunk_size=4 << 20)
-    writer.start(profile="", library="gaitsmith")
-    text = "".join(f"float64 {name}\n" for name in field_names(log.columns))
-    schema = writer.register_schema(name=_SCHEMA, encoding="ros2msg", data=text.encode())
-    channel = writer.register_channel(topic=TOPIC, message_encoding="cdr", schema_id=schema)
-    stamps = np.round(log.time * 1e9).astype(np.int64).clip(min=0).tolist()
-    content = np.ascontiguousarray(log.rows, dtype="<f8")
-    for k, stamp in enumerate(stamps):
-        writer.add_message(channel, stamp, _CDR_LITTLE_ENDIAN + content[k].tobytes(), stamp, k)
-    notes = {"decimation": log.decimation, "dropped": log.dropped, "columns": log.columns, "notes": log.notes}
-    writer.add_metadata(_NOTES, {name: json.dumps(value) for name, value in notes.items()})
-    writer.finish()
-    return file.getvalue()
-
-
-def read_log(path: str | Path) -> Log:
-    """Log that :meth:`Log.write` wrote.
+    Args:
+        path: of the file.
+        last: most rows to keep in memory, the latest ones; None keeps all.
 
     Raises:
-        BadInput: no such file, or not a whole log of this project.
+        BadInput: no such file, not a log, one cut before its first row, or one from a newer version.
     """
-    from mcap.reader import make_reader
+    with open_regular(path) as file:
+        return read_stream(file, str(path), last)
 
-    content = read_bounded(path, _LARGEST)
-    valid = "a whole MCAP file written by gaitsmith"
-    try:
-        reader = make_reader(io.BytesIO(content))
-        found = {record.name: record.metadata for record in reader.iter_metadata()}
-        notes = {name: json.loads(value) for name, value in found[_NOTES].items()}
-        columns = tuple(notes["columns"])
-        head, size = len(_CDR_LITTLE_ENDIAN), 8 * len(columns)
-        parts = [message.data[head : head + size] for _, _, message in reader.iter_messages(topics=TOPIC)]
-        rows = np.frombuffer(b"".join(parts), dtype="<f8").reshape(len(parts), len(columns)).astype(np.float64)
-        return Log(columns, rows, int(notes["decimation"]), int(notes["dropped"]), dict(notes["notes"]))
-    except Exception as error:  # what a damaged file raises depends on where the damage is
-        raise BadInput(str(path), type(error).__name__, valid) from None
+
+def read_stream(file: BinaryIO, source: str, last: int | None = None) -> Log:
+    """As :func:`read_log`, from a file that is open, at its beginning."""
+    reader = ChunkReader(file, source)
+    blocks: deque[npt.NDArray[np.float64]] = deque()
+    count = 0
+    for block in reader:
+        blocks.append(block)
+        count += len(block)
+        while last is not None and count - len(blocks[0]) >= last:
+            count -= len(blocks.popleft())
+    columns, decimation, dropped, notes = reader.head
+    rows = np.concatenate([np.empty((0, len(columns))), *blocks])
+    rows = rows if last is None else rows[max(0, len(rows) - last) :]
+    return Log(columns, rows, decimation, dropped, notes, tuple(reader.events), reader.complete)
