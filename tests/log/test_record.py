@@ -35,7 +35,7 @@ def _streamed(rows: int, every: int, events: bool = False) -> tuple[bytes, list[
     for tick in range(rows):
         row[:] = 0.001 * tick, tick, -tick
         if events and tick % 3 == 0:
-            recorder.note({"time": 0.001 * tick, "n": tick})
+            recorder.hear({"time": 0.001 * tick, "n": tick})
         recorder.observe(tick)
         if (tick + 1) % every == 0:
             recorder.flush()

@@ -201,7 +201,7 @@ def _make_view(
         measurement=make_measurement(n_joints, n_soles),
         control=make_control_state(n_joints, estimated, turns, len(inputs.values)),
         estimator_gains=make_estimator_gains(
-            parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight
+            parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight, robot.imu_rotation
         ),
         estimator=make_estimator_state(n_joints, n_soles),
         telemetry=telemetry,

@@ -14,7 +14,7 @@ from gaitsmith.dynamics.points import point_velocity
 from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.estimation.filters import EstimatorGains as EstimatorGains
 from gaitsmith.estimation.filters import EstimatorState as EstimatorState
-from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_joints, predict_axis
+from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_joints, predict_axis, turn_to_torso
 from gaitsmith.estimation.filters import make_estimator_gains as make_estimator_gains
 from gaitsmith.estimation.filters import make_estimator_state as make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, is_usable
@@ -33,7 +33,7 @@ def _start(gains: EstimatorGains, state: EstimatorState, measurement: Measuremen
     state.joint_variance[0] = 0.0
     state.attitude_variance[0] = gains.attitude**2
     for axis in range(3):
-        state.angular_velocity[axis] = measurement.gyro[axis]
+        state.angular_velocity[axis] = state.gyro[axis]
         for k in range(3):
             state.motion[axis, k] = 0.0
         for k in range(6):
@@ -95,6 +95,7 @@ def estimate(
     """
     if not is_usable(measurement, True, refused):
         return False
+    turn_to_torso(gains, state, measurement)
     starting = state.started[0] == 0
     if starting:
         _start(gains, state, measurement)
@@ -115,7 +116,7 @@ def estimate(
     axes, spin, f = (
         tree_state.body_rotation[legs.torso[0]],
         tree_state.velocity[legs.torso[0]],
-        measurement.accelerometer,
+        state.force,
     )
     local = gains.imu_position
     x = axes[0, 0] * local[0] + axes[0, 1] * local[1] + axes[0, 2] * local[2]

@@ -25,6 +25,7 @@ class EstimatorGains(NamedTuple):
 
     Attributes:
         imu_position: (3,) torso frame, m.
+        imu_rotation: (3, 3) IMU frame to torso frame.
         accelerometer: m/s², standard deviation of a sample.
         accelerometer_drift: m/s² per √s.
         leg_odometry: m/s.
@@ -40,6 +41,7 @@ class EstimatorGains(NamedTuple):
     """
 
     imu_position: Vector
+    imu_rotation: Matrix
     accelerometer: float
     accelerometer_drift: float
     leg_odometry: float
@@ -64,6 +66,8 @@ class EstimatorState(NamedTuple):
         joint_variance: (1,) of a joint velocity, rad²/s².
         quaternion: (4,) torso to world, w x y z.
         attitude_variance: (1,) per axis, rad².
+        gyro: (3,) reading of this tick, torso axes, rad/s.
+        force: (3,) specific force of this tick, torso axes, m/s².
         angular_velocity: (3,) torso axes, rad/s.
         motion: (3, 3) one row a world axis: position (m), velocity (m/s), accelerometer bias (m/s²).
         covariance: (3, 6) one row a world axis: pp pv pb vv vb bb.
@@ -80,6 +84,8 @@ class EstimatorState(NamedTuple):
     joint_variance: Vector
     quaternion: Vector
     attitude_variance: Vector
+    gyro: Vector
+    force: Vector
     angular_velocity: Vector
     motion: Matrix
     covariance: Matrix
@@ -99,6 +105,8 @@ def make_estimator_state(n_joints: int, n_legs: int = 2) -> EstimatorState:
         joint_variance=np.zeros(1),
         quaternion=np.array([1.0, 0.0, 0.0, 0.0]),
         attitude_variance=np.zeros(1),
+        gyro=np.zeros(3),
+        force=np.zeros(3),
         angular_velocity=np.zeros(3),
         motion=np.zeros((3, 3)),
         covariance=np.zeros((3, 6)),
@@ -111,7 +119,11 @@ def make_estimator_state(n_joints: int, n_legs: int = 2) -> EstimatorState:
 
 
 def make_estimator_gains(
-    parameters: EstimatorParameters, imu_position: Vector, contact_force: float, weight: float
+    parameters: EstimatorParameters,
+    imu_position: Vector,
+    contact_force: float,
+    weight: float,
+    imu_rotation: Matrix | None = None,
 ) -> EstimatorGains:
     """Kernel form of ``parameters``.
 
@@ -120,9 +132,11 @@ def make_estimator_gains(
         imu_position: (3,) torso frame, m.
         contact_force: sole force that counts as contact, N.
         weight: of the whole robot, N.
+        imu_rotation: (3, 3) IMU frame to torso frame; as the torso's if None.
     """
     return EstimatorGains(
         imu_position=np.array(imu_position, dtype=np.float64),
+        imu_rotation=np.eye(3) if imu_rotation is None else np.array(imu_rotation, dtype=np.float64),
         accelerometer=parameters.accelerometer,
         accelerometer_drift=parameters.accelerometer_drift,
         leg_odometry=parameters.leg_odometry,
@@ -167,10 +181,20 @@ def _turn(quaternion: Vector, x: float, y: float, z: float) -> None:
 
 
 @kernel
+def turn_to_torso(gains: EstimatorGains, state: EstimatorState, measurement: Measurement) -> None:
+    """The IMU's readings in torso axes, whichever way it is mounted."""
+    for i in range(3):
+        state.gyro[i] = state.force[i] = 0.0
+        for k in range(3):
+            state.gyro[i] += gains.imu_rotation[i, k] * measurement.gyro[k]
+            state.force[i] += gains.imu_rotation[i, k] * measurement.accelerometer[k]
+
+
+@kernel
 def filter_attitude(gains: EstimatorGains, state: EstimatorState, measurement: Measurement, dt: float) -> None:
     """Turn with the gyro, then a Kalman share of the way to the measured attitude."""
     rate, q, m = state.angular_velocity, state.quaternion, measurement.base_quaternion
-    _turn(q, measurement.gyro[0] * dt, measurement.gyro[1] * dt, measurement.gyro[2] * dt)
+    _turn(q, state.gyro[0] * dt, state.gyro[1] * dt, state.gyro[2] * dt)
     predicted = state.attitude_variance[0] + (gains.gyro * dt) ** 2
     gain = predicted / (predicted + gains.attitude**2)
     state.attitude_variance[0] = (1.0 - gain) * predicted
@@ -184,7 +208,7 @@ def filter_attitude(gains: EstimatorGains, state: EstimatorState, measurement: M
     )
     follow = dt / (gains.gyro_time + dt)
     for i in range(3):
-        rate[i] += follow * (measurement.gyro[i] - rate[i])
+        rate[i] += follow * (state.gyro[i] - rate[i])
 
 
 @kernel

@@ -22,8 +22,8 @@ class Measurement(NamedTuple):
         base_velocity: (6,)* linear (world axes, m/s), angular (torso axes, rad/s).
         joint_position: (nj,) rad, in the order of ``v[6:]``.
         joint_velocity: (nj,)* rad/s.
-        accelerometer: (3,) specific force at the IMU, torso axes, m/s².
-        gyro: (3,) angular velocity, torso axes, rad/s.
+        accelerometer: (3,) specific force at the IMU, in its axes, m/s².
+        gyro: (3,) angular velocity, axes of the IMU, rad/s.
         sole_force: (n,) normal force on every sole, N.
     """
 

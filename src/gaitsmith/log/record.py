@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import open_regular, write_bytes_atomic
+from gaitsmith.files import deferred, open_regular, write_bytes_atomic
 from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, Event, Head, message_rows
 
 DECIMATION = 4
@@ -140,10 +140,10 @@ class Recorder:
             self.flush()
         return False
 
-    def note(self, event: Event) -> None:
+    def hear(self, event: Mapping[str, Any]) -> None:
         """Keep something that happened once; ``event`` has its ``time``, s."""
         if not self.closed:
-            self._events.append(event)
+            self._events.append(dict(event))
 
     def flush(self) -> None:
         """Write what has been kept.
@@ -151,14 +151,15 @@ class Recorder:
         Raises:
             BadInput: the disk is full; what was written before can be read.
         """
-        kept = self._messages[: self._count]
-        try:
-            self._writer.write(kept, self._events)
-        except OSError as error:
-            raise self._full(error) from None
-        if self._count:
-            self._written_until = float(self._rows[self._count - 1, 0])
-        self._count, self._events, self._flushed = 0, [], time.monotonic()
+        with deferred():
+            kept = self._messages[: self._count]
+            try:
+                self._writer.write(kept, self._events)
+            except OSError as error:
+                raise self._full(error) from None
+            if self._count:
+                self._written_until = float(self._rows[self._count - 1, 0])
+            self._count, self._events, self._flushed = 0, [], time.monotonic()
 
     def close(self) -> None:
         """Write the rest and finish the file.
@@ -169,11 +170,12 @@ class Recorder:
         if self.closed:
             return
         self.flush()
-        try:
-            self._writer.finish()
-        except OSError as error:
-            raise self._full(error) from None
-        self.closed = True
+        with deferred():
+            try:
+                self._writer.finish()
+            except OSError as error:
+                raise self._full(error) from None
+            self.closed = True
 
     def _full(self, error: OSError) -> BadInput:
         """What to tell of a file that takes no more."""

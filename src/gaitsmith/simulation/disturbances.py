@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Protocol
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
+
+if TYPE_CHECKING:
+    from gaitsmith.log.columns import Columns
+    from gaitsmith.simulation.plant import Plant
 
 Impulse = Annotated[float, Field(ge=-1000.0, le=1000.0, allow_inf_nan=False)]
 
@@ -103,6 +108,11 @@ class Pushes:
         self.started = [math.nan] * len(pushes)
 
     @property
+    def active(self) -> set[int]:
+        """Pushes that act at this tick."""
+        return {k for k, left in enumerate(self._left) if left > 0}
+
+    @property
     def done(self) -> bool:
         """Whether every push is over, so that the loop need not ask any more."""
         return self._pending == 0
@@ -135,3 +145,48 @@ class Pushes:
         if push.phase is None:
             return True
         return crossed(push.phase, self._before, phase)
+
+
+class Disturber:
+    """Acts on a plant from outside while a loop goes: pushes it, and counts its excursion from where a walk begins.
+
+    Args:
+        pushes: in any order.
+        plant: what is pushed.
+        columns: telemetry of the controller, whose stride has a phase.
+        tell: hears of the beginning and the end of every push.
+
+    Attributes:
+        pushes: as they go.
+    """
+
+    def __init__(
+        self, pushes: tuple[Push, ...], plant: Plant, columns: Columns, tell: Callable[[Mapping[str, Any]], None]
+    ) -> None:
+        self.pushes, self._plant, self._tell = Pushes(pushes, plant, plant.control_step), plant, tell
+        names = ("mode", "stance", "step_time", "step_count", "command.period")
+        self._stride = [columns.block([name]) for name in names]
+        self._clock = StrideClock() if any(push.phase is not None for push in pushes) else None
+        self._active: set[int] = set()
+
+    def observe(self, tick: int) -> bool:
+        """Push if it is time; never ends the run."""
+        if not self.pushes.done:
+            self.pushes.apply(self._plant.time, self._phase())
+            active = self.pushes.active
+            for push in active ^ self._active:
+                self._tell({"push": push, "over": push not in active})
+            self._active = active
+        return False
+
+    def hear(self, event: Mapping[str, Any]) -> None:
+        """A walk begins."""
+        if event.get("action") == "walk":
+            self._plant.restart_excursion()
+
+    def _phase(self) -> float:
+        """Phase of the stride, NaN if no push asks for it."""
+        if self._clock is None:
+            return math.nan
+        mode, stance, step_time, step_count, period = (float(view[0]) for view in self._stride)
+        return self._clock.phase(self._plant.time, mode == 1.0, int(stance), step_time, int(step_count), period)

@@ -1,41 +1,40 @@
-"""One run in closed loop: scenario in, summary and log out."""
+"""One run in closed loop with physics: scenario in, summary and log out."""
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import math
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
-from time import perf_counter, perf_counter_ns
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
+from functools import cached_property
+from pathlib import Path
+from time import perf_counter
+from typing import Any, BinaryIO
 
 from gaitsmith.control import Controller
+from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.kinematics.posture import standing_posture
-from gaitsmith.log.record import Log, Recorder
+from gaitsmith.log.columns import Columns
+from gaitsmith.log.record import DECIMATION, Log, Recorder, read_stream
 from gaitsmith.robots import Robot, load_robot
-from gaitsmith.robots.parameters import GaitParameters, at_rest, gait_numbers
-from gaitsmith.simulation import plant as physics
-from gaitsmith.simulation.disturbances import Pushes, StrideClock
+from gaitsmith.robots.parameters import GaitParameters
+from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.fall import Fall, explain
+from gaitsmith.simulation.loop import Commands, Loop, Order, Script
+from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
+from gaitsmith.simulation.plant import Plant
+from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
-from gaitsmith.simulation.summary import (
-    FallReport,
-    QpCounts,
-    Span,
-    StageCommand,
-    Summary,
-    measure_stages,
-    tick_times,
-)
+from gaitsmith.simulation.summary import LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import parse_terrain
+from gaitsmith.simulation.wall_time import WallTimes
 
 Progress = Callable[[float], None]
 _PROGRESS_EVERY = 100  # ticks
+_COLLECT_EVERY = 10_000  # ticks
 
 
 @dataclass(frozen=True)
@@ -44,13 +43,18 @@ class Episode:
 
     Attributes:
         summary: in numbers.
-        log: rows of the run; None if it was not recorded.
-        interrupted: whether Ctrl-C cut it short; summary and log hold everything up to then.
+        file: of the log; None if it was not recorded.
+        interrupted: whether a signal cut it short; summary and log hold everything up to then.
     """
 
     summary: Summary
-    log: Log | None
+    file: BinaryIO | None
     interrupted: bool
+
+    @cached_property
+    def log(self) -> Log | None:
+        """Rows of the run, read back from the file when they are asked for; None if it was not recorded."""
+        return None if self.file is None else _read_back(self.file)
 
 
 class Simulation:
@@ -60,15 +64,17 @@ class Simulation:
         scenario: what to run.
         robot: instead of loading the scenario's.
         controller: instead of making one from the scenario; it is reset.
-        record: whether to keep a log.
+        record: whether to keep a log, in a temporary file; or the path of a new file to keep it in.
+        commands: instead of the scenario's walk, changes and rest.
 
     Attributes:
         robot, plant, controller: the closed loop's parts.
+        loop: that closes it.
         fall: the fall, None while upright.
-        tick: control ticks done.
+        ticks: after which it is over, if nothing ends it before.
 
     Raises:
-        BadInput: the scenario does not fit the robot.
+        BadInput: the scenario does not fit the robot or the controller, or the log cannot be written.
     """
 
     def __init__(
@@ -77,7 +83,8 @@ class Simulation:
         *,
         robot: Robot | None = None,
         controller: Controller | None = None,
-        record: bool = True,
+        record: bool | str | Path = True,
+        commands: Commands | None = None,
     ) -> None:
         self.scenario = scenario
         self.robot = robot if robot is not None else load_robot(scenario.robot)
@@ -86,7 +93,10 @@ class Simulation:
         self.controller = controller or Controller(
             self.robot, preset=scenario.preset, state=scenario.state, gait=self._gait
         )
-        self.plant = physics.Plant(
+        if self.controller.state != scenario.state:
+            remedy = "make both alike: the scenario says what the plant's sensors give"
+            raise BadInput("controller.state", self.controller.state, f"{scenario.state}, the scenario's", remedy)
+        self.plant = Plant(
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),
             sensors=scenario.sensors if scenario.state == "estimated" else None,
@@ -100,19 +110,20 @@ class Simulation:
         )
         for push in scenario.pushes:
             self.plant.body_id(push.body)
-        self._warm_up()
+        self._columns = Columns(
+            (self.controller.telemetry_columns, self.controller.telemetry_buffer),
+            ([f"true.{name}" for name in self.plant.truth_columns], self.plant.truth_buffer),
+        )
         step = self.plant.control_step
+        self._warm_up()
         self.ticks = max(1, round(scenario.duration / step))
-        self.tick = 0
-        self.fall: Fall | None = None
-        self._pushes = Pushes(scenario.pushes, self.plant, step)
-        self._clock = StrideClock() if any(push.phase is not None for push in scenario.pushes) else None
-        self._monitor = Monitor(self.robot, self.controller, self.plant, scenario.duration)
-        self._recorder = self._make_recorder() if record else None
-        self._tick_ns = np.zeros(self.ticks, dtype=np.int64)
-        self._wall = 0.0
-        self._events = self._schedule()
-        self._warned = len(physics.heard)
+        self._monitor = self._make_monitor()
+        self._disturber = Disturber(scenario.pushes, self.plant, self._columns, self._tell)
+        self._file = _new_file(record) if record else None
+        self._recorder = self._make_recorder(self._file) if self._file is not None else None
+        observers = [self._monitor, *([self._recorder] if self._recorder else []), self._disturber]
+        self.loop = Loop(self.plant, self.controller, commands or Script(_orders(scenario), step), observers)
+        self._wall, self._memory = 0.0, resident_mb()
         self.interrupted = False
 
     def _warm_up(self) -> None:
@@ -122,181 +133,165 @@ class Simulation:
         self.controller.reset()
         self.plant.measure(self.controller.measurement)
         self.plant.step(self.controller.tick())
-        Monitor(self.robot, self.controller, self.plant, self.scenario.duration).watch()
+        self._make_monitor().observe(0)
         self.plant.reset(start)
         self.controller.reset()
         self.controller.command(**self._gait.model_dump())
 
-    def _make_recorder(self) -> Recorder:
+    def _make_monitor(self) -> Monitor:
+        gait = self._gait.model_dump()
+        return Monitor(self.robot, self.controller.parameters, self._columns, self.plant.control_step, gait)
+
+    def _make_recorder(self, file: BinaryIO) -> Recorder:
         """Recorder of the controller's telemetry and the plant's truth."""
-        columns = (*self.controller.telemetry_columns, *(f"true.{name}" for name in self.plant.observed_columns))
-        return Recorder(self.controller.telemetry_buffer, self.plant.observed, columns, self.ticks)
+        notes = {
+            "scenario": self.scenario.model_dump(mode="json"),
+            "robot": self.robot.card.name,
+            "robot_hash": self.robot.content_hash,
+            "control_step": self.plant.control_step,
+            "gait": self._gait.model_dump(mode="json"),
+        }
+        return Recorder(file, self._columns.buffers, self._columns.names, notes, DECIMATION)
 
-    def _schedule(self) -> list[tuple[int, Callable[[], None]]]:
-        """What to tell the controller, by tick, last first."""
-        scenario, step = self.scenario, self.plant.control_step
-        events: list[tuple[int, Callable[[], None]]] = []
-        for change in scenario.changes:
-            given = change.given()
-            events.append((round(change.time / step), lambda given=given: self.controller.command(**given)))  # type: ignore[misc]
-        events.append((round(scenario.walk_from / step), self._start_walking))
-        if scenario.rest_after > 0.0:
-            events.append((round(scenario.walk_until / step), self.controller.stand))
-        return sorted(events, key=lambda event: -event[0])
-
-    def _start_walking(self) -> None:
-        """Ask for a walk, and count the drift from here."""
-        self.controller.walk()
-        self.plant.restart_excursion()
+    def _tell(self, event: Mapping[str, Any]) -> None:
+        self.loop.tell(event)
 
     @property
     def time(self) -> float:
         """Simulated time, s."""
-        return self.tick * self.plant.control_step
+        return self.loop.time
 
     @property
-    def tick_us(self) -> npt.NDArray[np.float64]:
-        """Wall time of every control tick so far, µs."""
-        return np.asarray(self._tick_ns[: self.tick] * 1e-3, dtype=np.float64)
+    def tick(self) -> int:
+        """Control ticks done."""
+        return self.loop.tick
+
+    @property
+    def wall_times(self) -> WallTimes:
+        """Of the control ticks so far."""
+        return self.loop.wall_times
+
+    @cached_property
+    def _fall(self) -> Fall:
+        return explain(self._monitor, self.time, phase_in_words(self._columns), refused_readings(self._columns))
+
+    @property
+    def fall(self) -> Fall | None:
+        """The fall, None while upright."""
+        return self._fall if self._monitor.state != UPRIGHT else None
 
     def step(self) -> bool:
-        """One control tick; False once the run is over, by its duration or by a fall."""
-        if self.tick >= self.ticks or self.fall is not None:
-            return False
-        while self._events and self._events[-1][0] <= self.tick:
-            self._events.pop()[1]()
-        controller, plant = self.controller, self.plant
-        plant.measure(controller.measurement)
-        before = perf_counter_ns()
-        torque = controller.tick()
-        self._tick_ns[self.tick] = perf_counter_ns() - before
-        state = self._monitor.watch()
-        if self._recorder is not None:
-            self._recorder.keep(self.tick)
-        if state != UPRIGHT:
-            self._end_in_fall(state)
-            return False
-        if not self._pushes.done:
-            self._pushes.apply(self.tick * plant.control_step, self._phase())
-        plant.step(torque)
-        self.tick += 1
-        return self.tick < self.ticks
+        """One control tick; False once the run is over, by its duration or by a fall.
 
-    def _phase(self) -> float:
-        """Phase of the stride, NaN if no push asks for it."""
-        if self._clock is None:
-            return math.nan
-        telemetry = self.controller.telemetry
-        return self._clock.phase(
-            self.tick * self.plant.control_step,
-            telemetry.mode[0] == 1.0,
-            int(telemetry.stance[0]),
-            float(telemetry.step_time[0]),
-            int(telemetry.step_count[0]),
-            float(telemetry.command[2]),
-        )
-
-    def _end_in_fall(self, kind: int) -> None:
-        """Note the fall and its explanation."""
-        telemetry = self.controller.telemetry
-        mode, stance = int(telemetry.mode[0]), int(telemetry.stance[0])
-        step_time, period = float(telemetry.step_time[0]), float(telemetry.command[2])
-        self.fall = explain(kind, self.time, self._monitor, mode, stance, step_time, period)
+        Raises:
+            BadInput: the disk is full.
+            GaitsmithError: the physics engine stopped.
+        """
+        if self.loop.tick >= self.ticks:
+            return False
+        return self.loop.step() and self.loop.tick < self.ticks
 
     def run(self, progress: Progress | None = None) -> Episode:
-        """Step until the end, a fall, or Ctrl-C.
+        """Step until the end, a fall, or a signal that is heard as KeyboardInterrupt; then finish the log.
 
         Args:
             progress: called with the simulated time, s, ten times a simulated second.
+
+        Raises:
+            BadInput: the disk is full; the log is kept up to then.
+            GaitsmithError: the physics engine stopped; the log is finished.
         """
+        try:
+            with self._timed():
+                while self.step():
+                    tick = self.loop.tick
+                    if progress is not None and tick % _PROGRESS_EVERY == 0:
+                        progress(self.time)
+                    if tick % _COLLECT_EVERY == 0:
+                        gc.collect(1)
+        except KeyboardInterrupt:
+            self.interrupted = True
+        except GaitsmithError:
+            with contextlib.suppress(BadInput):
+                self._close()
+            raise
+        self._close()
+        if progress is not None and not self.interrupted:
+            progress(self.time)
+        return Episode(self.summary(), self._file, self.interrupted)
+
+    def _close(self) -> None:
+        if self._recorder is not None:
+            self._recorder.close()
+
+    @contextlib.contextmanager
+    def _timed(self) -> Iterator[None]:
+        """Count the wall time, undisturbed by collections of garbage."""
         collecting = gc.isenabled()
         gc.disable()
         began = perf_counter()
         try:
-            while self.step():
-                if progress is not None and self.tick % _PROGRESS_EVERY == 0:
-                    progress(self.time)
-        except KeyboardInterrupt:
-            self.interrupted = True
+            yield
         finally:
             self._wall += perf_counter() - began
             if collecting:
                 gc.enable()
-        if progress is not None and not self.interrupted:
-            progress(self.time)
-        return Episode(self.summary(), self.log(), self.interrupted)
 
     def log(self) -> Log | None:
         """Rows so far; None if the run is not recorded."""
-        if self._recorder is None:
+        if self._recorder is None or self._file is None:
             return None
-        notes: dict[str, Any] = {
-            "scenario": self.scenario.model_dump(mode="json"),
-            "robot": self.robot.card.name,
-            "robot_hash": self.robot.content_hash,
-        }
-        return self._recorder.log(notes)
-
-    def _spans(self) -> list[Span]:
-        """Stages between changes of the command, in control ticks."""
-        scenario, step = self.scenario, self.plant.control_step
-        walk_from, walk_until = round(scenario.walk_from / step), round(scenario.walk_until / step)
-        marks = {0, walk_from, walk_until, self.ticks}
-        changes = [(round(change.time / step), change.given()) for change in scenario.changes]
-        marks.update(tick for tick, _ in changes)
-        edges = sorted(mark for mark in marks if mark <= self.ticks)
-        spans = []
-        for first, last in pairwise(edges):
-            gait = self._gait.model_dump()
-            for tick, given in changes:
-                if tick <= first:
-                    gait.update(given)
-            rest = first < walk_from or first >= walk_until
-            numbers = gait_numbers(at_rest(gait) if rest else gait, keys=True)
-            command = StageCommand.model_validate({key: value for key, _, value in numbers})
-            spans.append(Span(first, last, rest, command))
-        return spans
+        if not self._recorder.closed:
+            self._recorder.flush()
+        return _read_back(self._file)
 
     def summary(self) -> Summary:
         """The run so far, in numbers."""
-        monitor, plant, telemetry, scenario = self._monitor, self.plant, self.controller.telemetry, self.scenario
-        kept, step = monitor.kept, plant.control_step
-        seen = monitor.ticks if self.fall is None else monitor.ticks - 1
-        vitals = kept.vitals[: max(seen, 0)]
-        start = min(round(scenario.walk_from / step), max(len(vitals) - 1, 0))
-        walked = vitals[-1, 6:8] - vitals[start, 6:8] if len(vitals) else np.zeros(2)
-        yaw = np.degrees(vitals[:, 5]) if len(vitals) else np.zeros(1)
-        ticks = max(monitor.ticks, 1)
-        names = monitor.joint_names
-        return Summary(
-            fell=self.fall is not None,
-            fall=FallReport(time=self.fall.time, phase=self.fall.phase, reason=self.fall.reason) if self.fall else None,
+        recorder = self._recorder
+        return sum_up(
+            self.scenario,
+            self.robot,
+            self._monitor,
+            self._columns,
+            time=self.time,
+            fall=self.fall,
             interrupted=self.interrupted,
-            robot=self.robot.card.name,
-            preset=scenario.preset,
-            state=scenario.state,
-            terrain=scenario.terrain,
-            seed=scenario.seed,
-            duration=self.time,
-            steps=int(telemetry.step_count[0]),
-            stages=measure_stages(self._spans(), vitals, monitor.touchdowns, step),
-            drift=plant.excursion,
-            distance=float(np.hypot(*walked)),
-            yaw_deg=(float(np.min(yaw)), float(np.max(yaw))),
-            min_foot_separation=plant.min_separation,
-            leg_contacts=plant.leg_contacts,
-            torque_peak=dict(zip(names, kept.torque_peak.tolist(), strict=True)),
-            torque_saturated=dict(zip(names, (kept.torque_saturated / ticks).tolist(), strict=True)),
-            qp=QpCounts(
-                solves=int(telemetry.qp_solves[0]),
-                fallbacks=int(telemetry.qp_fallbacks[0]),
-                infeasible=int(telemetry.qp_infeasible[0]),
-            ),
-            tick_us=tick_times(self._tick_ns[: monitor.ticks], step),
+            tick_us=self.wall_times.summary(),
             realtime_factor=self.time / self._wall if self._wall > 0.0 else 0.0,
-            pushes=tuple(None if math.isnan(began) else began for began in self._pushes.started),
-            warnings=tuple(physics.heard[self._warned :]),
+            pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
+            warnings=tuple(self.plant.warnings),
+            memory=Memory(start=self._memory, end=resident_mb()),
+            log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,
         )
+
+
+def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
+    """What a scenario tells the controller."""
+    orders = [(change.time, Order(change.given())) for change in scenario.changes]
+    orders.append((scenario.walk_from, Order(action="walk")))
+    if scenario.rest_after > 0.0:
+        orders.append((scenario.walk_until, Order(action="stand")))
+    return orders
+
+
+def _new_file(record: bool | str | Path) -> BinaryIO:
+    """A file for the log, readable too."""
+    try:
+        if record is True:
+            return tempfile.TemporaryFile(buffering=0)  # type: ignore[return-value]
+        return open(record, "x+b", buffering=0)  # type: ignore[arg-type,return-value]
+    except OSError as error:
+        raise BadInput(str(record), (error.strerror or "").lower(), "a new file in a folder that can be written") from None
+
+
+def _read_back(file: BinaryIO) -> Log:
+    """The rows in a file that stays open, for more to come."""
+    place = file.tell()
+    file.seek(0)
+    try:
+        return read_stream(file, "log")
+    finally:
+        file.seek(place)
 
 
 def run_episode(
@@ -305,7 +300,7 @@ def run_episode(
     robot: Robot | None = None,
     controller: Controller | None = None,
     progress: Progress | None = None,
-    record: bool = True,
+    record: bool | str | Path = True,
 ) -> Episode:
     """Run a scenario from beginning to end; see :class:`Simulation` and :class:`Episode`.
 

@@ -1,98 +1,118 @@
-"""Watches a run tick by tick, compiled: vital signs, touchdowns, torques used, limits hit, and whether it fell."""
+"""Watches a run tick by tick, compiled and in bounded memory: vital signs, touchdowns, torques, limits, falls."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from gaitsmith.compiled import Arena, IntMatrix, IntVector, Matrix, Vector, bind, kernel
+from gaitsmith.compiled import Arena, IntVector, Vector, bind, kernel
+from gaitsmith.robots.parameters import at_rest, gait_numbers
+from gaitsmith.simulation.limits import Bounds, Hits, Seen, find_hits, is_saturated, make_bounds, make_hits, remember_hits
+from gaitsmith.simulation.summary import SCORED, Span, Stage, StageCommand, Window, measure_stage
+from gaitsmith.simulation.truth import Truth, truth_columns
 
 if TYPE_CHECKING:
-    from gaitsmith.control import Controller
+    from collections.abc import Mapping
+
+    from gaitsmith.log.columns import Columns
     from gaitsmith.robots import Robot
-    from gaitsmith.simulation.plant import Plant
+    from gaitsmith.robots.parameters import ControlParameters
 
-MEMORY = 1500  # ticks of limits kept to explain a fall
 UPRIGHT, TILTED, SANK, TOUCHED, DIVERGED = range(5)
-"""What :meth:`Monitor.watch` returns; all but the first are falls."""
+"""What :attr:`Monitor.state` can be; all but the first are falls."""
 
-VITALS = ("com_velocity_x", "com_velocity_y", "hip_height", "roll", "pitch", "yaw", "torso_x", "torso_y")
-"""Columns of :attr:`Monitor.vitals`; the hip height is above the stance sole."""
-
+SETTLING = 1.5  # s after a push, a command or the start of a walk in which it does not count as undisturbed
 _MAX_TILT = math.radians(60.0)
-_SATURATED = 0.999  # of the limit
-_EDGE = 1e-3  # m within which the ZMP or a foothold counts as on its bound
-_STOP = 5e-3  # rad within which a joint counts as on its limit
-SINGLE = (
-    "foothold at its reach bound",
-    "foothold at its spread bound",
-    "foothold at its separation bound",
-    "ZMP at the edge of the left sole",
-    "ZMP at the edge of the right sole",
-    "friction limit of the left sole",
-    "friction limit of the right sole",
-    "legs touching each other",
-    "whole-body QP infeasible",
-    "step ended by the clock",
-)
+_TOUCHDOWNS = 256  # remembered; no robot takes more steps in the scored window
+_TURN = 2.0 * math.pi
+_NEVER = 2**62
+
+_COMMANDED = {"period": "command.period", "height": "command.height", "yaw_rate": "command.yaw_rate"}
 
 
-class Seen(NamedTuple):
-    """What the monitor reads, shared with the controller's telemetry and the plant."""
+class Ring(NamedTuple):
+    """The last ticks, row ``tick % n``: CoM velocity (m/s), hip above the stance sole (m), roll, pitch, heading (rad).
 
-    observed: Vector
-    mode: Vector
-    stance: Vector
-    step_count: Vector
-    command: Vector
-    joint_position: Vector
-    torque: Vector
-    foothold: Vector
-    foothold_bound: Vector
-    wrench: Vector
-    zmp: Vector
-    qp_infeasible: Vector
-    touchdowns_forced: Vector
+    ``touchdown`` and ``leg`` are a ring over steps: the tick at which one began and its stance leg.
+    """
+
+    speed_x: Vector
+    speed_y: Vector
+    height: Vector
+    roll: Vector
+    pitch: Vector
+    heading: Vector
+    touchdown: IntVector
+    leg: IntVector
 
 
-class Bounds(NamedTuple):
-    """Limits to compare with; joint order, SI units."""
+class Range(NamedTuple):
+    """Lowest and highest of a signal."""
 
-    torque: Vector
-    position_low: Vector
-    position_high: Vector
-    heel: Vector
-    toe: Vector
-    reach: float
-    spread: float
-    zmp_margin: float
-    friction: float
+    low: Vector
+    high: Vector
+
+
+class StageTotals(NamedTuple):
+    """What counts over the present stage: ranges of roll and pitch (rad), heading at its beginning and turn commanded."""
+
+    roll: Range
+    pitch: Range
+    heading: Vector
+    commanded: Vector
+
+
+class Joints(NamedTuple):
+    """Per joint over the run.
+
+    Attributes:
+        torque_peak: N·m.
+        torque_saturated: ticks.
+        torque_before: at the tick before, N·m.
+        torque_step: largest change from one tick to the next while walking undisturbed, N·m.
+        velocity_peak: rad/s.
+        velocity_over: ticks beyond the limit.
+    """
+
+    torque_peak: Vector
+    torque_saturated: Vector
+    torque_before: Vector
+    torque_step: Vector
+    velocity_peak: Vector
+    velocity_over: Vector
 
 
 class Kept(NamedTuple):
     """What the monitor writes.
 
     Attributes:
-        ticks: (1,) watched so far.
-        vitals: (n, 8), see :data:`VITALS`.
-        touchdowns: (m, 2) tick and stance leg (0 left, 1 right) of every step that began.
-        n_touchdowns: (1,).
-        limits: (MEMORY, 2 nj + 10) 1 where a limit was hit; a ring over ticks.
-        torque_peak: (nj,) N·m.
-        torque_saturated: (nj,) ticks.
-        last: step count, QP infeasibilities, forced touchdowns at the tick before.
+        ticks: watched so far.
+        upright: of them, without the fall.
+        steps: touchdowns so far.
+        quiet_from: tick from which on the walk counts as undisturbed.
+        heading, yaw: of the tick before, rad; the heading goes on where the yaw turns over.
+        place: (2,) of the torso when it was upright last, world, m.
+        yaws, headings: rad.
+        step_count: at the tick before.
     """
 
+    ring: Ring
+    stage: StageTotals
+    joints: Joints
+    hits: Hits
     ticks: IntVector
-    vitals: Matrix
-    touchdowns: IntMatrix
-    n_touchdowns: IntVector
-    limits: IntMatrix
-    torque_peak: Vector
-    torque_saturated: Vector
-    last: Vector
+    upright: IntVector
+    steps: IntVector
+    quiet_from: IntVector
+    heading: Vector
+    yaw: Vector
+    place: Vector
+    yaws: Range
+    headings: Range
+    step_count: Vector
 
 
 class Watched(NamedTuple):
@@ -104,35 +124,52 @@ class Watched(NamedTuple):
 
 
 @kernel
-def _limits_hit(seen: Seen, bounds: Bounds, kept: Kept, hit: IntVector) -> None:
-    """Fill one row of the ring of limits."""
-    nj = bounds.torque.shape[0]
-    for j in range(nj):
-        hit[j] = 1 if abs(seen.torque[j]) >= _SATURATED * bounds.torque[j] else 0
-        q = seen.joint_position[j]
-        hit[nj + j] = 1 if q < bounds.position_low[j] + _STOP or q > bounds.position_high[j] - _STOP else 0
-    for k in range(2 * nj, hit.shape[0]):
-        hit[k] = 0
-    at = 2 * nj
-    if seen.foothold_bound[0] > 0.0 and seen.mode[0] > 0.0:
-        if abs(seen.foothold[0]) > bounds.reach - _EDGE:
-            hit[at] = 1
-        elif abs(seen.foothold[1]) > bounds.spread - _EDGE:
-            hit[at + 1] = 1
-        else:
-            hit[at + 2] = 1
-    for leg in range(2):
-        normal = seen.wrench[6 * leg + 2]
-        if normal > 1.0:
-            x, margin = seen.zmp[2 * leg], bounds.zmp_margin + _EDGE
-            if x > bounds.toe[leg] - margin or x < margin - bounds.heel[leg]:
-                hit[at + 3 + leg] = 1
-            sideways = math.sqrt(seen.wrench[6 * leg] ** 2 + seen.wrench[6 * leg + 1] ** 2)
-            if sideways > _SATURATED * bounds.friction * normal:
-                hit[at + 5 + leg] = 1
-    hit[at + 7] = 1 if seen.observed[20] > 0.0 else 0
-    hit[at + 8] = 1 if seen.qp_infeasible[0] > kept.last[1] else 0
-    hit[at + 9] = 1 if seen.touchdowns_forced[0] > kept.last[2] else 0
+def _widen(span: Range, value: float) -> None:
+    span.low[0] = min(span.low[0], value)
+    span.high[0] = max(span.high[0], value)
+
+
+@kernel
+def _watch_joints(seen: Seen, bounds: Bounds, kept: Kept) -> None:
+    """Peaks, shares, and steps of the torque."""
+    joints = kept.joints
+    undisturbed = seen.mode[0] > 0.0 and kept.ticks[0] >= kept.quiet_from[0]
+    for j in range(bounds.torque.shape[0]):
+        torque, speed = seen.torque[j], abs(seen.joint_velocity[j])
+        joints.torque_peak[j] = max(joints.torque_peak[j], abs(torque))
+        if is_saturated(torque, bounds.torque[j]):
+            joints.torque_saturated[j] += 1.0
+        if undisturbed:
+            joints.torque_step[j] = max(joints.torque_step[j], abs(torque - joints.torque_before[j]))
+        joints.torque_before[j] = torque
+        joints.velocity_peak[j] = max(joints.velocity_peak[j], speed)
+        if speed > bounds.velocity[j]:
+            joints.velocity_over[j] += 1.0
+
+
+@kernel
+def _keep_vitals(seen: Seen, bounds: Bounds, kept: Kept, stance: int) -> None:
+    """One tick of an upright robot into the ring and the stage."""
+    ring, tick, yaw = kept.ring, kept.ticks[0], seen.attitude[2]
+    first = kept.upright[0] == 0
+    turn = 0.0 if first else (yaw - kept.yaw[0] + 0.5 * _TURN) % _TURN - 0.5 * _TURN
+    kept.heading[0] = yaw if first else kept.heading[0] + turn
+    kept.yaw[0] = yaw
+    row = tick % ring.height.shape[0]
+    ring.speed_x[row], ring.speed_y[row] = seen.com_velocity[0], seen.com_velocity[1]
+    both = 0.5 * (seen.hip_height[0] + seen.hip_height[1])
+    ring.height[row] = both if stance > 1 else seen.hip_height[stance]
+    ring.roll[row], ring.pitch[row], ring.heading[row] = seen.attitude[0], seen.attitude[1], kept.heading[0]
+    _widen(kept.stage.roll, seen.attitude[0])
+    _widen(kept.stage.pitch, seen.attitude[1])
+    _widen(kept.yaws, yaw)
+    _widen(kept.headings, kept.heading[0])
+    if math.isnan(kept.stage.heading[0]):
+        kept.stage.heading[0] = kept.heading[0]
+    elif seen.mode[0] > 0.0:
+        kept.stage.commanded[0] += seen.yaw_rate[0] * bounds.dt
+    kept.place[0], kept.place[1] = seen.torso[0], seen.torso[1]
+    kept.upright[0] += 1
 
 
 @kernel
@@ -140,34 +177,29 @@ def _watch(address: int) -> int:
     """One tick; returns UPRIGHT or the kind of fall."""
     watched = bind(Watched, address)
     seen, bounds, kept = watched.seen, watched.bounds, watched.kept
-    tick = kept.ticks[0]
-    _limits_hit(seen, bounds, kept, kept.limits[tick % MEMORY])
-    for j in range(bounds.torque.shape[0]):
-        used = abs(seen.torque[j])
-        kept.torque_peak[j] = max(kept.torque_peak[j], used)
-        if used >= _SATURATED * bounds.torque[j]:
-            kept.torque_saturated[j] += 1.0
-    observed, stance = seen.observed, int(seen.stance[0])
-    if tick < kept.vitals.shape[0]:
-        row = kept.vitals[tick]
-        row[0], row[1] = observed[0], observed[1]
-        row[2] = 0.5 * (observed[9] + observed[10]) if stance > 1 else observed[9 + stance]
-        row[3], row[4], row[5] = observed[6], observed[7], observed[8]
-        row[6], row[7] = observed[3], observed[4]
-    if seen.step_count[0] > kept.last[0] and kept.n_touchdowns[0] < kept.touchdowns.shape[0]:
-        kept.touchdowns[kept.n_touchdowns[0], 0] = tick
-        kept.touchdowns[kept.n_touchdowns[0], 1] = stance
-        kept.n_touchdowns[0] += 1
-    kept.last[0], kept.last[1], kept.last[2] = seen.step_count[0], seen.qp_infeasible[0], seen.touchdowns_forced[0]
-    kept.ticks[0] = tick + 1
-
-    if not math.cos(observed[6]) * math.cos(observed[7]) > math.cos(_MAX_TILT):
-        return TILTED
-    if max(observed[9], observed[10]) < 0.5 * seen.command[4]:
-        return SANK
-    if observed[21] > 0.0:
-        return TOUCHED
-    return UPRIGHT
+    stance, ring = int(seen.stance[0]), kept.ring
+    stepped = seen.step_count[0] > kept.step_count[0]
+    find_hits(seen, bounds, kept.hits)
+    remember_hits(seen, bounds, kept.hits, kept.ticks[0], stepped)
+    _watch_joints(seen, bounds, kept)
+    if stepped:
+        place = kept.steps[0] % ring.leg.shape[0]
+        ring.touchdown[place], ring.leg[place] = kept.ticks[0], stance
+        kept.steps[0] += 1
+    kept.step_count[0] = seen.step_count[0]
+    state = UPRIGHT
+    if seen.diverged[0] > 0.0:
+        state = DIVERGED
+    elif not math.cos(seen.attitude[0]) * math.cos(seen.attitude[1]) > math.cos(_MAX_TILT):
+        state = TILTED
+    elif max(seen.hip_height[0], seen.hip_height[1]) < 0.5 * seen.height[0]:
+        state = SANK
+    elif seen.body_contact[0] > 0.0:
+        state = TOUCHED
+    if state == UPRIGHT:
+        _keep_vitals(seen, bounds, kept, stance)
+    kept.ticks[0] += 1
+    return state
 
 
 class Monitor:
@@ -175,60 +207,60 @@ class Monitor:
 
     Args:
         robot: whose limits apply.
-        controller: its telemetry is read, and the bounds of its parameters apply.
-        plant: its observed values are read.
-        duration: of the run, s.
+        parameters: of the controller, whose bounds apply.
+        columns: telemetry of the controller, and what is true of the robot (``true.*``) or believed (``believed.*``).
+        dt: s from one observation to the next.
+        gait: what is commanded at first, by name.
 
     Attributes:
-        vitals: (n, 8), see :data:`VITALS`; rows beyond :attr:`ticks` are not filled yet.
-        limit_names: of the columns of ``kept.limits``.
+        state: UPRIGHT, or the kind of fall.
+        prefix: of the columns that tell where the robot is: ``true.``, or ``believed.`` where nobody knows the truth.
+        kept: what has been seen.
+        limit_names: of the limits in ``kept.hits``.
+        walked_from: (2,) place of the torso when a walk was asked for first, world, m.
     """
 
-    def __init__(self, robot: Robot, controller: Controller, plant: Plant, duration: float) -> None:
-        parameters = controller.parameters
-        nj, ticks = len(robot.joint_names), math.ceil(duration / plant.control_step) + 1
-        self._plant = plant
-        self.control_step = plant.control_step
-        self.joint_names = tuple(robot.joint_names)
-        self.limit_names = (
-            *(f"torque of {name} saturated" for name in robot.joint_names),
-            *(f"joint limit of {name}" for name in robot.joint_names),
-            *SINGLE,
-        )
-        telemetry = controller.telemetry
-        seen = Seen(plant.observed, *(getattr(telemetry, field) for field in Seen._fields[1:]))
-        bounds = Bounds(
-            torque=np.asarray(robot.torque_limit),
-            position_low=np.asarray(robot.position_low),
-            position_high=np.asarray(robot.position_high),
-            heel=np.array([leg.sole.heel for leg in robot.legs]),
-            toe=np.array([leg.sole.toe for leg in robot.legs]),
-            reach=parameters.foothold.reach,
-            spread=parameters.foothold.spread,
-            zmp_margin=parameters.contact.zmp_margin,
-            friction=parameters.contact.friction,
-        )
-        kept = Kept(
-            ticks=np.zeros(1, dtype=np.int64),
-            vitals=np.empty((ticks, len(VITALS))),
-            touchdowns=np.zeros((ticks // 20 + 16, 2), dtype=np.int64),
-            n_touchdowns=np.zeros(1, dtype=np.int64),
-            limits=np.zeros((MEMORY, len(self.limit_names)), dtype=np.int64),
-            torque_peak=np.zeros(nj),
-            torque_saturated=np.zeros(nj),
-            last=np.zeros(3),
-        )
-        self._arena = Arena(Watched(seen, bounds, kept))
-        for shared, given in zip(self._arena.view.seen, seen, strict=True):
+    def __init__(
+        self, robot: Robot, parameters: ControlParameters, columns: Columns, dt: float, gait: Mapping[str, Any]
+    ) -> None:
+        self.dt, self.state, self.joint_names = dt, UPRIGHT, tuple(robot.joint_names)
+        hits, self.limit_names = make_hits(self.joint_names, tuple(leg.name for leg in robot.legs), dt)
+        self.prefix = "true." if columns.labels("true") else "believed."
+        self._seen = _views(columns, self.prefix, [leg.name for leg in robot.legs])
+        kept = _blank(len(robot.joint_names), hits, round(SCORED / dt) + 1)
+        self._arena = Arena(Watched(self._seen, make_bounds(robot, parameters, dt), kept))
+        for shared, given in zip(self._arena.view.seen, self._seen, strict=True):
             if not np.shares_memory(shared, given):
-                raise TypeError("the controller's telemetry must be float64 views of one buffer")
+                raise TypeError("what the monitor watches must be float64 views of contiguous buffers")
         self.kept: Kept = self._arena.view.kept
         self._address = self._arena.address
+        self.walked_from: npt.NDArray[np.float64] | None = None
+        self._gait, self._rest, self._began, self._pushes = dict(gait), True, 0, 0
+        self._stages: list[bytes] = []
 
-    def watch(self) -> int:
-        """Take note of the present tick; returns UPRIGHT or the kind of fall."""
-        state: int = _watch(self._address)
-        return DIVERGED if self._plant.diverged else state
+    def observe(self, tick: int) -> bool:
+        """Take note of the present tick; whether the robot has fallen."""
+        self.state = _watch(self._address)
+        return self.state != UPRIGHT
+
+    def hear(self, event: Mapping[str, Any]) -> None:
+        """Take note of a command, which begins a stage, or of a push; both disturb a walk."""
+        if "push" in event:
+            self._pushes += -1 if event.get("over") else 1
+        self.kept.quiet_from[0] = _NEVER if self._pushes else self.ticks + round(SETTLING / self.dt)
+        if not {"command", "action"} & set(event):
+            return
+        if self._began < self.ticks:
+            self._stages.append(self._stage().model_dump_json().encode())
+            _restart(self.kept.stage)
+            self._began = self.ticks
+        self._gait.update(event.get("command", {}))
+        action = event.get("action")
+        if action == "walk" and self.walked_from is None:
+            self.walked_from = self._seen.torso[:2].copy()
+        self._rest = action == "stand" or (self._rest and action != "walk")
+        if action == "stand":
+            self._gait = at_rest(self._gait)
 
     @property
     def ticks(self) -> int:
@@ -236,6 +268,82 @@ class Monitor:
         return int(self.kept.ticks[0])
 
     @property
-    def touchdowns(self) -> IntMatrix:
-        """(m, 2) tick and new stance leg of the steps so far."""
-        return self.kept.touchdowns[: self.kept.n_touchdowns[0]]
+    def distance(self) -> float:
+        """Horizontal distance between the torso's places when a walk was asked for first and now, m."""
+        return 0.0 if self.walked_from is None else float(np.hypot(*(self.kept.place - self.walked_from)))
+
+    def stages(self) -> tuple[Stage, ...]:
+        """All stages so far, the present one included if it has a tick."""
+        done = tuple(map(Stage.model_validate_json, self._stages))
+        return (*done, self._stage()) if self._began < self.kept.upright[0] else done
+
+    def hits(self) -> list[tuple[str, int]]:
+        """Limits hit since the last step without any, and the tick of each one's first hit, oldest first."""
+        found = [(name, int(tick)) for name, tick in zip(self.limit_names, self.kept.hits.first, strict=True)]
+        return sorted([hit for hit in found if hit[1] >= 0], key=lambda hit: hit[1])
+
+    def touchdowns(self) -> npt.NDArray[np.int64]:
+        """(m, 2) tick and new stance leg of the latest steps."""
+        ring, steps = self.kept.ring, int(self.kept.steps[0])
+        at = np.arange(max(0, steps - len(ring.leg)), steps) % len(ring.leg)
+        return np.stack([ring.touchdown[at], ring.leg[at]], axis=1)
+
+    def _stage(self) -> Stage:
+        """The present stage as far as it has come."""
+        kept, last = self.kept, int(self.kept.upright[0])
+        gait = at_rest(self._gait) if self._rest else self._gait
+        command = StageCommand.model_validate({key: value for key, _, value in gait_numbers(gait, keys=True)})
+        first = max(0, last - len(kept.ring.height))
+        at = np.arange(first, last) % len(kept.ring.height)
+        window = Window(first, *(signal[at] for signal in kept.ring[: len(Window._fields) - 1]))
+        span = Span(self._began, last, self._rest, command)
+        turned = kept.heading[0] - kept.stage.heading[0] - kept.stage.commanded[0]
+        ranges = [(float(span.low[0]), float(span.high[0])) for span in (kept.stage.roll, kept.stage.pitch)]
+        return measure_stage(span, window, self.touchdowns(), ranges[0], ranges[1], float(turned), self.dt)
+
+
+def _views(columns: Columns, prefix: str, legs: list[str]) -> Seen:
+    """Where everything lies; what a controller does not report is zero."""
+    found: dict[str, Vector] = {}
+    for field in Seen._fields:
+        if field in Truth._fields:
+            found[field] = columns.block([prefix + name for name in truth_columns(legs)[field]])
+        else:
+            view = columns.find(_COMMANDED.get(field, field))
+            found[field] = np.zeros(1) if view is None else view
+    return Seen(**found)
+
+
+def _range() -> Range:
+    return Range(np.full(1, np.inf), np.full(1, -np.inf))
+
+
+def _restart(stage: StageTotals) -> None:
+    """A new stage."""
+    for span in (stage.roll, stage.pitch):
+        span.low[0], span.high[0] = np.inf, -np.inf
+    stage.heading[0], stage.commanded[0] = np.nan, 0.0
+
+
+def _blank(nj: int, hits: Hits, length: int) -> Kept:
+    """Nothing seen yet."""
+
+    def whole(size: int = 1) -> IntVector:
+        return np.zeros(size, dtype=np.int64)
+
+    return Kept(
+        ring=Ring(*(np.zeros(length) for _ in range(6)), whole(_TOUCHDOWNS), whole(_TOUCHDOWNS)),
+        stage=StageTotals(_range(), _range(), np.full(1, np.nan), np.zeros(1)),
+        joints=Joints(*(np.zeros(nj) for _ in Joints._fields)),
+        hits=hits,
+        ticks=whole(),
+        upright=whole(),
+        steps=whole(),
+        quiet_from=whole(),
+        heading=np.zeros(1),
+        yaw=np.zeros(1),
+        place=np.zeros(2),
+        yaws=_range(),
+        headings=_range(),
+        step_count=np.zeros(1),
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
@@ -10,12 +11,12 @@ import numpy.typing as npt
 
 from gaitsmith.compiled import Arena
 from gaitsmith.control import Measurement
-from gaitsmith.errors import BadInput, GaitsmithError
+from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
+from gaitsmith.simulation.props import Ball, BallState
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, Terrain
 from gaitsmith.simulation.truth import (
-    OBSERVED,
     Account,
     Geometry,
     PlantArrays,
@@ -23,21 +24,15 @@ from gaitsmith.simulation.truth import (
     SensorArrays,
     World,
     apply_torque,
+    make_truth,
     observe,
     read_sensors,
     track,
 )
+from gaitsmith.simulation.world import PlantError as PlantError
+from gaitsmith.simulation.world import add_ground, build, change_masses, set_options
 
-_FOUND, _FORCE = 1, 2  # bits of a contact sensor's data field
-_FIRST, _SUM = 0, 3  # how a contact sensor reduces several contacts
-_ANY_BIT = 0x7FFFFFFF  # ground collides with every geometry that collides with anything
-_SOLREF = (0.005, 1.0)  # s, -: stiff enough that a sole sinks in less than 1 mm
-_STICTION = 0.995  # impedance of joint friction: the engine's default lets a held joint creep
-_FALLBACK_FRICTION = (0.005, 0.0001)  # torsional and rolling, unused by a contact of dimension 3
-
-
-class PlantError(GaitsmithError):
-    """The physics engine refused the model or stopped; its own message is kept."""
+_MOST_WARNINGS = 100
 
 
 class Plant:
@@ -54,15 +49,18 @@ class Plant:
         mass_spread: each body's mass and inertia differ by up to this share besides, drawn from the seed.
         seed: of everything random.
         region: where boxes or a slope are needed; beyond it boxes give way to the level plane.
+        props: what else lies in the world.
         physics_step: s.
         control_step: s, a whole number of physics steps.
 
     Attributes:
-        observed: true values at this control tick, one for each name in ``observed_columns``.
+        truth: what is true at this control tick, over ``truth_buffer``.
+        truth_buffer: (n,) the same numbers in one array.
+        truth_columns: name of every entry of ``truth_buffer``.
+        balls: state of the balls among the props.
         time: s since :meth:`reset`.
+        warnings: of the physics engine since :meth:`reset`, at most a hundred.
     """
-
-    observed_columns: tuple[str, ...] = OBSERVED
 
     def __init__(
         self,
@@ -77,6 +75,7 @@ class Plant:
         mass_spread: float = 0.0,
         seed: int = 0,
         region: Region | None = None,
+        props: Sequence[Ball] = (),
         physics_step: float = 5e-4,
         control_step: float = 1e-3,
     ) -> None:
@@ -87,12 +86,21 @@ class Plant:
         self.control_step = control_step
         self.physics_step = physics_step
         spec = robot.make_spec()
-        _set_options(spec, physics_step)
-        _add_ground(spec, terrain or Terrain(), region or Region(), friction)
-        self._model, self._contact_at, self._imu_at = _compile(spec, robot, joint_friction)
+        set_options(spec, physics_step)
+        add_ground(spec, terrain or Terrain(), region or Region(), friction)
+        for k, ball in enumerate(props):
+            ball.add_to(spec, f"ball_{k + 1}")
+        self._model, self._contact_at, self._imu_at = build(spec, robot, joint_friction)
+        self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
         self._data = mujoco.MjData(self._model)
+        self.balls = tuple(
+            BallState(
+                self._data.qpos[robot.model.nq + 7 * k :][:3], self._data.qvel[robot.model.nv + 6 * k :][:3]
+            )
+            for k in range(len(props))
+        )
         if mass_factor != 1.0 or mass_spread != 0.0:
-            _change_masses(self._model, self._data, mass_factor, mass_spread, seed)
+            change_masses(self._model, self._data, robot.model.nbody, mass_factor, mass_spread, seed)
         self._noise = sensors.blocks(len(robot.joint_names), seed) if sensors else None
         self._sensors = sensors
         self._seed = seed
@@ -102,36 +110,40 @@ class Plant:
         """Share the engine's arrays with the kernels, once."""
         model, data, robot = self._model, self._data, self._robot
         nj, legs = len(robot.joint_names), robot.legs
+        sole, leg, body, imu = np.split(
+            data.sensordata[self._contact_at : self._imu_at + 6], np.cumsum([3 * len(legs), 1, self._n_bodies])
+        )
         world = World(
             *(data.qpos, data.qvel, data.xpos, data.xmat, data.M, data.qfrc_applied),
-            imu_readings=data.sensordata[self._imu_at :][:6],
-            contact_readings=data.sensordata[self._contact_at : self._imu_at],
+            imu_readings=imu,
+            sole_readings=sole,
+            leg_reading=leg,
+            body_readings=body,
         )
         geometry = Geometry(
             torso=robot.torso_body,
+            nq=robot.model.nq,
+            nv=robot.model.nv,
             sole_body=np.array([leg.sole_body for leg in legs], dtype=np.int64),
             sole_position=np.array([leg.sole_position for leg in legs]),
             hip_midpoint=np.asarray(robot.hip_midpoint),
             torque_limit=np.asarray(robot.torque_limit),
             row_address=model.M_rowadr.astype(np.int64),
-            mass=float(model.body_subtreemass[0]),
+            mass=float(model.body_subtreemass[robot.torso_body]),
         )
         account = Account(
             torque=np.zeros(nj),
             delayed=np.zeros((delay + 1, nj)),
             head=np.zeros(1, dtype=np.int64),
-            observed=np.zeros(len(OBSERVED)),
             start=np.zeros(2),
-            extremes=np.array([np.inf, 0.0]),
-            counts=np.zeros(4, dtype=np.int64),
         )
-        self._arena = Arena(PlantArrays(world, geometry, account))
+        self.truth, self.truth_buffer, self.truth_columns = make_truth([leg.name for leg in legs])
+        self._arena = Arena(PlantArrays(world, geometry, account, self.truth))
         for kept, given in zip(self._arena.view.world, world, strict=True):
             if not np.shares_memory(kept, given):
                 raise PlantError("the physics engine's arrays cannot be shared with the kernels")
         self._account: Account = self._arena.view.account
         self._address = self._arena.address
-        self.observed = self._account.observed
         self._measured: Measurement | None = None
 
     def reset(self, q: npt.NDArray[np.float64], v: npt.NDArray[np.float64] | None = None) -> None:
@@ -144,32 +156,35 @@ class Plant:
         Raises:
             BadInput: wrong shape or a value that is not finite.
         """
-        if np.shape(q) != (self._model.nq,) or not np.all(np.isfinite(q)):
-            raise BadInput("q", q, f"{self._model.nq} finite numbers")
-        if v is not None and (np.shape(v) != (self._model.nv,) or not np.all(np.isfinite(v))):
-            raise BadInput("v", v, f"{self._model.nv} finite numbers")
+        nq, nv = self._robot.model.nq, self._robot.model.nv
+        if np.shape(q) != (nq,) or not np.all(np.isfinite(q)):
+            raise BadInput("q", q, f"{nq} finite numbers")
+        if v is not None and (np.shape(v) != (nv,) or not np.all(np.isfinite(v))):
+            raise BadInput("v", v, f"{nv} finite numbers")
+        self.warnings: list[str] = []
+        _hearing.warnings = self.warnings
         mujoco.mj_resetData(self._model, self._data)
-        self._data.qpos[:] = q
-        self._data.qvel[:] = 0.0 if v is None else v
+        self._data.qpos[:nq] = q
+        self._data.qvel[:nv] = 0.0 if v is None else v
         mujoco.mj_kinematics(self._model, self._data)
         self._data.qpos[2] -= self._lowest_sole_point()
         mujoco.mj_forward(self._model, self._data)
         account = self._account
         account.torque[:] = 0.0
         account.delayed[:] = 0.0
-        account.counts[:] = 0
-        account.observed[20] = 0.0
+        self.truth_buffer[:] = 0.0
         if self._sensors is not None:
             self._noise = self._sensors.blocks(len(self._robot.joint_names), self._seed)
         self._noise_rows: Iterator[npt.NDArray[np.float64]] = iter(())
         self._first_torque = True
         self.time = 0.0
         self._ticks = 0
+        self.truth.least_separation[0] = np.inf
         track(self._address)
-        account.counts[2] = 0
-        account.extremes[0] = self.observed[19]
         self.restart_excursion()
         observe(self._address)
+        for ball in self.balls:
+            ball.restart()
 
     def refresh(self) -> None:
         """Observe anew after ``q`` or ``v`` have been written to; counts and extremes go on."""
@@ -179,7 +194,7 @@ class Plant:
 
     def restart_excursion(self) -> None:
         """Count the torso's excursion from where it is now."""
-        self._account.extremes[1] = 0.0
+        self.truth.excursion[0] = 0.0
         self._account.start[:] = self._data.xpos[self._robot.torso_body][:2]
 
     def _lowest_sole_point(self) -> float:
@@ -197,6 +212,7 @@ class Plant:
     def step(self, torque: npt.NDArray[np.float64]) -> None:
         """Apply joint torques (nj,) for one control period, N·m in joint order, and observe what comes of it."""
         account, address, model, data = self._account, self._address, self._model, self._data
+        _hearing.warnings = self.warnings
         account.torque[:] = torque
         if self._first_torque:
             account.delayed[:] = torque
@@ -210,6 +226,8 @@ class Plant:
         except mujoco.FatalError as error:
             raise PlantError(f"physics engine stopped at {self.time:.3f} s: {error}") from None
         observe(address)
+        for ball in self.balls:
+            ball.watch()
         self._ticks += 1
         self.time = self._ticks * self.control_step
 
@@ -261,123 +279,25 @@ class Plant:
 
     @property
     def q(self) -> npt.NDArray[np.float64]:
-        """(nq,) true position; a view."""
-        position: npt.NDArray[np.float64] = self._data.qpos
+        """(nq,) true position of the robot; a view."""
+        position: npt.NDArray[np.float64] = self._data.qpos[: self._robot.model.nq]
         return position
 
     @property
     def v(self) -> npt.NDArray[np.float64]:
-        """(nv,) true velocity; a view."""
-        velocity: npt.NDArray[np.float64] = self._data.qvel
+        """(nv,) true velocity of the robot; a view."""
+        velocity: npt.NDArray[np.float64] = self._data.qvel[: self._robot.model.nv]
         return velocity
 
-    @property
-    def min_separation(self) -> float:
-        """Smallest lateral distance, left minus right, of the sole frames' origins in the heading frame, m."""
-        return float(self._account.extremes[0])
 
-    @property
-    def excursion(self) -> float:
-        """Largest horizontal distance of the torso from where it was at :meth:`restart_excursion`, m."""
-        return float(self._account.extremes[1])
-
-    @property
-    def leg_contacts(self) -> int:
-        """How many times one leg came to touch the other."""
-        return int(self._account.counts[0])
-
-    @property
-    def diverged(self) -> bool:
-        """Whether the state stopped being finite."""
-        return bool(self._account.counts[3])
-
-
-def _set_options(spec: mujoco.MjSpec, physics_step: float) -> None:
-    """Step, friction cone, and no silent reset of a diverged state."""
-    spec.option.timestep = physics_step
-    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
-    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_ACTUATION
-
-
-def _add_ground(spec: mujoco.MjSpec, terrain: Terrain, region: Region, friction: float) -> None:
-    """Plane and blocks; their contact parameters take priority over the robot's."""
-    surface = {
-        "contype": _ANY_BIT,
-        "conaffinity": _ANY_BIT,
-        "condim": 3,
-        "priority": 1,
-        "friction": (friction, *_FALLBACK_FRICTION),
-        "solref": _SOLREF,
-    }
-    if terrain.has_plane:
-        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), **surface)
-    for block in terrain.blocks(region):
-        half = block.pitch / 2
-        spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=block.centre,
-            size=block.half_size,
-            quat=(np.cos(half), 0.0, np.sin(half), 0.0),
-            **surface,
-        )
-
-
-def _compile(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[mujoco.MjModel, int, int]:
-    """Add the sensors that the kernels read and build the model; also the sensors' first addresses."""
-    body, subtree = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_XBODY
-    names = [robot.model.body(b).name for b in range(robot.model.nbody)]
-    feet = [leg.sole_body for leg in robot.legs]
-    roots = [names[robot.model.jnt_bodyid[leg.joint_indices[0] + 1]] for leg in robot.legs]
-
-    def contact(objtype: object, first: str, reftype: object, second: str, what: int, reduce: int) -> None:
-        spec.add_sensor(
-            type=mujoco.mjtSensor.mjSENS_CONTACT,
-            objtype=objtype,
-            objname=first,
-            reftype=reftype,
-            refname=second,
-            intprm=[what, reduce, 1],
-        )
-
-    n_before = len(spec.sensors)
-    for foot in feet:
-        contact(body, names[foot], body, "world", _FORCE, _SUM)
-    contact(subtree, roots[0], subtree, roots[1], _FOUND, _FIRST)
-    for b in range(1, len(names)):
-        if b not in feet:
-            contact(body, names[b], body, "world", _FOUND, _FIRST)
-    n_imu = len(spec.sensors)
-    torso = spec.body(names[robot.torso_body])
-    imu = torso.add_site(name="gaitsmith_imu", pos=robot.imu_position)
-    for kind in (mujoco.mjtSensor.mjSENS_ACCELEROMETER, mujoco.mjtSensor.mjSENS_GYRO):
-        spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=imu.name)
-    try:
-        model = spec.compile()
-    except ValueError as error:
-        raise PlantError(f"the physics engine refused the model: {error}") from None
-    if joint_friction > 0.0:
-        model.dof_frictionloss[6:] += joint_friction
-        model.dof_solref[6:] = _SOLREF
-        model.dof_solimp[6:, :2] = _STICTION
-    return model, int(model.sensor_adr[n_before]), int(model.sensor_adr[n_imu])
-
-
-def _change_masses(model: mujoco.MjModel, data: mujoco.MjData, factor: float, spread: float, seed: int) -> None:
-    """Multiply every body's mass and inertia by ``factor (1 ± spread)``."""
-    draws = np.random.default_rng([seed, 0xB3]).uniform(-spread, spread, model.nbody)
-    model.body_mass[:] *= factor * (1.0 + draws)
-    model.body_inertia[:] *= (factor * (1.0 + draws))[:, None]
-    mujoco.mj_setConst(model, data)
-
-
-heard: list[str] = []
-"""Warnings of the physics engine, oldest first, instead of its log file in the working folder."""
+_hearing = threading.local()
+"""Where the engine's warnings go in this thread: ``warnings`` of the plant that runs."""
 
 
 def _hear(message: str) -> None:
-    """Keep at most a hundred warnings."""
-    if len(heard) < 100:
+    """Keep at most a hundred warnings, instead of the engine's log file in the working folder."""
+    heard: list[str] = getattr(_hearing, "warnings", [])
+    if len(heard) < _MOST_WARNINGS:
         heard.append(" ".join(str(message).split()))
 
 

@@ -48,6 +48,8 @@ class Stage(_Part):
         vx_mean, vy_mean: CoM velocity in the heading frame, m/s.
         vx_error, vy_error: mean minus command.
         height_mean, height_error: hip midpoint above the stance sole, and that minus the command, m.
+        yaw_rate_mean, yaw_rate_error: of the torso, and that minus the command, rad/s.
+        heading_drift_deg: change of the heading over the whole stage, less the turn that was commanded meanwhile.
         roll_deg, pitch_deg: lowest and highest over the whole stage.
         settled_roll_deg, settled_pitch_deg: the same over the last 2 s.
     """
@@ -63,6 +65,9 @@ class Stage(_Part):
     vy_error: float
     height_mean: float
     height_error: float
+    yaw_rate_mean: float
+    yaw_rate_error: float
+    heading_drift_deg: float
     roll_deg: tuple[float, float]
     pitch_deg: tuple[float, float]
     settled_roll_deg: tuple[float, float]
@@ -94,6 +99,21 @@ class TickTimes(_Part):
     overruns: int
 
 
+class Memory(_Part):
+    """Memory of the process that is in use, MB, when the run began and when it was summed up."""
+
+    start: float
+    end: float
+
+
+class LogCounts(_Part):
+    """Rows of the log, rows that it lacks, and whether its file is complete."""
+
+    rows: int
+    dropped: int
+    complete: bool
+
+
 class Summary(_Part):
     """A run in numbers.
 
@@ -106,12 +126,21 @@ class Summary(_Part):
         stages: in order of time, rests included.
         drift: largest horizontal excursion of the torso since the walk began, m.
         distance: horizontal distance between the torso's places at the walk's beginning and at the end, m.
-        yaw_deg: lowest and highest.
+        yaw_deg: lowest and highest, between -180 and 180.
+        heading_deg: the same of the heading, which goes on where the yaw turns over.
         min_foot_separation: smallest lateral distance, left minus right, of the sole frames' origins in the heading
             frame, over all physics steps, m.
         leg_contacts: how many times one leg came to touch the other.
         torque_peak: largest magnitude per joint, N·m.
         torque_saturated: share of ticks at the limit, per joint.
+        torque_step_max: largest change from one tick to the next per joint, N·m, while walking undisturbed: not within
+            1.5 s after a push, a command, or the beginning of the walk.
+        velocity_peak: largest speed per joint as the controller sees it, rad/s.
+        velocity_over: share of ticks beyond the speed limit, per joint.
+        control_state: of the controller at the end, by name.
+        refused: ticks that were refused for unusable readings, by sensor.
+        memory_mb: None if nobody was there to measure it.
+        log: None if nothing was recorded.
         qp: counts of the whole-body QP.
         tick_us: wall time of the controller's tick.
         realtime_factor: simulated over wall time, logging included.
@@ -133,10 +162,18 @@ class Summary(_Part):
     drift: float
     distance: float
     yaw_deg: tuple[float, float]
+    heading_deg: tuple[float, float]
     min_foot_separation: float
     leg_contacts: int
     torque_peak: dict[str, float]
     torque_saturated: dict[str, float]
+    torque_step_max: dict[str, float]
+    velocity_peak: dict[str, float]
+    velocity_over: dict[str, float]
+    control_state: str
+    refused: dict[str, int]
+    memory_mb: Memory | None
+    log: LogCounts | None
     qp: QpCounts
     tick_us: TickTimes
     realtime_factor: float
@@ -178,63 +215,70 @@ def scored_window(first: int, last: int, touchdowns: npt.NDArray[np.int64], cont
     return (best[2], best[1]) if best else (begin, last)
 
 
-def _range_deg(values: Array) -> tuple[float, float]:
+def _range_deg(span: tuple[float, float] | Array) -> tuple[float, float]:
     """Lowest and highest in degrees."""
-    return float(np.degrees(np.min(values))), float(np.degrees(np.max(values)))
+    return float(np.degrees(np.min(span))), float(np.degrees(np.max(span)))
 
 
-def measure_stages(
-    spans: list[Span], vitals: Array, touchdowns: npt.NDArray[np.int64], control_step: float
-) -> tuple[Stage, ...]:
-    """Stages that have at least one tick.
+class Window(NamedTuple):
+    """The last ticks of a run: the first tick, then (n,) CoM velocity, height, roll, pitch and heading."""
+
+    first: int
+    speed_x: Array
+    speed_y: Array
+    height: Array
+    roll: Array
+    pitch: Array
+    heading: Array
+
+
+def measure_stage(
+    span: Span,
+    window: Window,
+    touchdowns: npt.NDArray[np.int64],
+    roll: tuple[float, float],
+    pitch: tuple[float, float],
+    turned: float,
+    control_step: float,
+) -> Stage:
+    """A stage that has at least one tick.
 
     Args:
-        spans: in order of time.
-        vitals: (n, 8), one row a tick; see :data:`gaitsmith.simulation.monitor.VITALS`.
-        touchdowns: (m, 2) tick and new stance leg.
+        span: of the stage.
+        window: the ticks up to the stage's end, at least the last 2 s of it.
+        touchdowns: (m, 2) tick and new stance leg, at least those in the last 2 s.
+        roll: lowest and highest over the stage, rad.
+        pitch: the same.
+        turned: change of the heading over the stage, less what was commanded, rad.
         control_step: s.
     """
-    stages = []
-    for span in spans:
-        last = min(span.last, len(vitals))
-        if last <= span.first:
-            continue
-        begin, end = (max(span.first, last - round(SCORED / control_step)), last)
-        settled = vitals[begin:end]
-        if not span.rest:
-            begin, end = scored_window(span.first, last, touchdowns, control_step)
-        means = np.mean(vitals[begin:end], axis=0)
-        whole = vitals[span.first : last]
-        stages.append(
-            Stage(
-                t0=span.first * control_step,
-                t1=last * control_step,
-                rest=span.rest,
-                command=span.command,
-                scored=(begin * control_step, end * control_step),
-                vx_mean=means[0],
-                vx_error=means[0] - span.command.vx,
-                vy_mean=means[1],
-                vy_error=means[1] - span.command.vy,
-                height_mean=means[2],
-                height_error=means[2] - span.command.height,
-                roll_deg=_range_deg(whole[:, 3]),
-                pitch_deg=_range_deg(whole[:, 4]),
-                settled_roll_deg=_range_deg(settled[:, 3]),
-                settled_pitch_deg=_range_deg(settled[:, 4]),
-            )
-        )
-    return tuple(stages)
-
-
-def tick_times(nanoseconds: npt.NDArray[np.int64], control_step: float) -> TickTimes:
-    """Statistics of the controller's wall times, ns per tick."""
-    if not len(nanoseconds):
-        return TickTimes(median=0.0, p99=0.0, max=0.0, overruns=0)
-    microseconds = nanoseconds / 1000.0
-    return TickTimes(
-        median=float(np.median(microseconds)),
-        p99=float(np.percentile(microseconds, 99)),
-        max=float(np.max(microseconds)),
-        overruns=int(np.count_nonzero(microseconds > 1e6 * control_step)),
+    first, last, rest, command = span
+    begin, end = max(first, last - round(SCORED / control_step)), last
+    settled = slice(begin - window.first, end - window.first)
+    if not rest:
+        begin, end = scored_window(first, last, touchdowns, control_step)
+    scored = slice(begin - window.first, end - window.first)
+    vx, vy, height = (float(np.mean(signal[scored])) for signal in (window.speed_x, window.speed_y, window.height))
+    before = max(begin - 1, window.first, 0)
+    turn = float(window.heading[end - 1 - window.first] - window.heading[before - window.first])
+    yaw_rate = turn / (max(end - 1 - before, 1) * control_step)
+    return Stage(
+        t0=first * control_step,
+        t1=last * control_step,
+        rest=rest,
+        command=command,
+        scored=(begin * control_step, end * control_step),
+        vx_mean=vx,
+        vx_error=vx - command.vx,
+        vy_mean=vy,
+        vy_error=vy - command.vy,
+        height_mean=height,
+        height_error=height - command.height,
+        yaw_rate_mean=yaw_rate,
+        yaw_rate_error=yaw_rate - command.yaw_rate,
+        heading_drift_deg=float(np.degrees(turned)),
+        roll_deg=_range_deg(roll),
+        pitch_deg=_range_deg(pitch),
+        settled_roll_deg=_range_deg(window.roll[settled]),
+        settled_pitch_deg=_range_deg(window.pitch[settled]),
     )

@@ -3,26 +3,78 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, bind, kernel
 
-OBSERVED = (
-    *("com_velocity_x", "com_velocity_y", "com_velocity_z"),
-    *("torso_x", "torso_y", "torso_z", "torso_roll", "torso_pitch", "torso_yaw"),
-    *("hip_height_left", "hip_height_right"),
-    *("left_sole_x", "left_sole_y", "left_sole_z", "right_sole_x", "right_sole_y", "right_sole_z"),
-    *("left_force", "right_force", "foot_separation", "leg_contact", "body_contact"),
-)
-"""Columns of :attr:`Account.observed`: SI units; CoM velocity in the heading frame, positions in the world."""
+
+class Truth(NamedTuple):
+    """What is true at one control tick, as views of one buffer; SI units, world axes where not said.
+
+    Attributes:
+        com_velocity: (3,) heading frame.
+        torso: (3,) position.
+        attitude: (3,) roll, pitch, yaw of the torso.
+        hip_height: (n,) hip midpoint above every sole.
+        sole: (3 n,) position of every sole frame.
+        force: (n,) normal force on every sole.
+        foot_separation: lateral distance, left minus right, of the sole frames, heading frame.
+        leg_contact: number of contacts between the legs.
+        body_contact: number of contacts between the ground and bodies that are not feet.
+        least_separation: smallest foot separation so far, over all physics steps.
+        leg_contacts: how many times one leg came to touch the other.
+        excursion: largest horizontal distance of the torso from where it was when the walk began.
+        diverged: physics steps with a state that is not finite.
+    """
+
+    com_velocity: Vector
+    torso: Vector
+    attitude: Vector
+    hip_height: Vector
+    sole: Vector
+    force: Vector
+    foot_separation: Vector
+    leg_contact: Vector
+    body_contact: Vector
+    least_separation: Vector
+    leg_contacts: Vector
+    excursion: Vector
+    diverged: Vector
+
+
+def truth_columns(legs: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Names of the numbers of every field."""
+    axes = ("x", "y", "z")
+    return {field: (field,) for field in Truth._fields} | {
+        "com_velocity": tuple(f"com_velocity_{axis}" for axis in axes),
+        "torso": tuple(f"torso_{axis}" for axis in axes),
+        "attitude": ("torso_roll", "torso_pitch", "torso_yaw"),
+        "hip_height": tuple(f"hip_height_{leg}" for leg in legs),
+        "sole": tuple(f"{leg}_sole_{axis}" for leg in legs for axis in axes),
+        "force": tuple(f"{leg}_force" for leg in legs),
+    }
+
+
+def make_truth(legs: Sequence[str]) -> tuple[Truth, Vector, tuple[str, ...]]:
+    """Views over one buffer, the buffer, and the name of every number of it."""
+    columns = list(truth_columns(legs).values())
+    buffer, views, start = np.zeros(sum(map(len, columns))), [], 0
+    for members in columns:
+        views.append(buffer[start : start + len(members)])
+        start += len(members)
+    return Truth(*views), buffer, tuple(name for members in columns for name in members)
 
 
 class World(NamedTuple):
     """Arrays of the physics engine, shared with it; names and layouts are MuJoCo's.
 
     Attributes:
-        contact_readings: sensor readings: left sole force (3), right sole force (3), number of leg-to-leg contacts,
-            number of ground contacts of every body that is not a foot.
+        sole_readings: force on every sole (3), by contact sensors.
+        leg_reading: (1,) number of contacts between the legs.
+        body_readings: number of ground contacts of every body that is not a foot.
         imu_readings: accelerometer (3), gyro (3).
     """
 
@@ -33,13 +85,17 @@ class World(NamedTuple):
     M: Vector
     qfrc_applied: Vector
     imu_readings: Vector
-    contact_readings: Vector
+    sole_readings: Vector
+    leg_reading: Vector
+    body_readings: Vector
 
 
 class Geometry(NamedTuple):
-    """Constants of the robot: body ids, sole frames, torque limits, addresses in the sparse inertia matrix."""
+    """Constants of the robot: body ids, sole frames, torque limits, sizes and addresses of the sparse inertia matrix."""
 
     torso: int
+    nq: int
+    nv: int
     sole_body: IntVector
     sole_position: Matrix
     hip_midpoint: Vector
@@ -55,19 +111,13 @@ class Account(NamedTuple):
         torque: (nj,) commanded at this control tick, N·m.
         delayed: (n + 1, nj) ring of torques, one row a physics step.
         head: (1,) row of the ring written last.
-        observed: one value for each name in :data:`OBSERVED`.
         start: (2,) torso position from which the excursion counts, world.
-        extremes: smallest foot separation, largest horizontal torso excursion, m.
-        counts: leg contact episodes, physics steps with one, physics steps, steps with a state that is not finite.
     """
 
     torque: Vector
     delayed: Matrix
     head: IntVector
-    observed: Vector
     start: Vector
-    extremes: Vector
-    counts: IntVector
 
 
 class Readings(NamedTuple):
@@ -92,6 +142,7 @@ class PlantArrays(NamedTuple):
     world: World
     geometry: Geometry
     account: Account
+    truth: Truth
 
 
 class SensorArrays(NamedTuple):
@@ -102,7 +153,7 @@ class SensorArrays(NamedTuple):
 
 
 @kernel
-def _sole_height(world: World, geometry: Geometry, leg: int, place: Vector) -> None:
+def _sole_position(world: World, geometry: Geometry, leg: int, place: Vector) -> None:
     """World position of a sole frame's origin, into ``place`` (3)."""
     body = geometry.sole_body[leg]
     for i in range(3):
@@ -131,71 +182,63 @@ def apply_torque(address: int) -> None:
 def track(address: int) -> None:
     """After a physics step: foot separation, torso excursion, leg contacts, and whether the state is finite."""
     plant = bind(PlantArrays, address)
-    world, geometry, account = plant.world, plant.geometry, plant.account
-    observed = account.observed
-    _sole_height(world, geometry, 0, observed[11:14])
-    _sole_height(world, geometry, 1, observed[14:17])
+    world, geometry, account, truth = plant.world, plant.geometry, plant.account, plant.truth
+    left, right = truth.sole[:3], truth.sole[3:6]
+    _sole_position(world, geometry, 0, left)
+    _sole_position(world, geometry, 1, right)
     torso = geometry.torso
     forward_x, forward_y = world.xmat[torso, 0], world.xmat[torso, 3]
     length = math.sqrt(forward_x * forward_x + forward_y * forward_y)
     if length > 1e-9:
-        across = forward_x * (observed[12] - observed[15]) - forward_y * (observed[11] - observed[14])
-        observed[19] = across / length
-    account.extremes[0] = min(account.extremes[0], observed[19])
+        truth.foot_separation[0] = (forward_x * (left[1] - right[1]) - forward_y * (left[0] - right[0])) / length
+    truth.least_separation[0] = min(truth.least_separation[0], truth.foot_separation[0])
     away_x, away_y = world.xpos[torso, 0] - account.start[0], world.xpos[torso, 1] - account.start[1]
-    account.extremes[1] = max(account.extremes[1], math.sqrt(away_x * away_x + away_y * away_y))
-    touching = world.contact_readings[6]
-    if touching > 0.0:
-        account.counts[1] += 1
-        if observed[20] == 0.0:
-            account.counts[0] += 1
-    observed[20] = touching
-    account.counts[2] += 1
+    truth.excursion[0] = max(truth.excursion[0], math.sqrt(away_x * away_x + away_y * away_y))
+    touching = world.leg_reading[0]
+    if touching > 0.0 and truth.leg_contact[0] == 0.0:
+        truth.leg_contacts[0] += 1.0
+    truth.leg_contact[0] = touching
     total = 0.0
-    for k in range(world.qpos.shape[0]):
+    for k in range(geometry.nq):
         total += abs(world.qpos[k])
-    for k in range(world.qvel.shape[0]):
+    for k in range(geometry.nv):
         total += abs(world.qvel[k])
     if not total < 1e6:
-        account.counts[3] += 1
+        truth.diverged[0] += 1.0
 
 
 @kernel
 def observe(address: int) -> None:
-    """Fill the observed columns that are wanted once a control tick; :func:`track` has filled the others."""
+    """Fill what is wanted of the truth once a control tick; :func:`track` has filled the rest."""
     plant = bind(PlantArrays, address)
-    world, geometry, account = plant.world, plant.geometry, plant.account
-    observed = account.observed
+    world, geometry, truth = plant.world, plant.geometry, plant.truth
     torso = geometry.torso
     rotation = world.xmat[torso]
     yaw = math.atan2(rotation[3], rotation[0])
     cos_yaw, sin_yaw = math.cos(yaw), math.sin(yaw)
-    nv = world.qvel.shape[0]
     velocity_x, velocity_y, velocity_z = world.qvel[0], world.qvel[1], world.qvel[2]
-    for j in range(3, nv):
+    for j in range(3, geometry.nv):
         row = geometry.row_address[j]
         velocity_x += world.M[row] * world.qvel[j] / geometry.mass
         velocity_y += world.M[row + 1] * world.qvel[j] / geometry.mass
         velocity_z += world.M[row + 2] * world.qvel[j] / geometry.mass
-    observed[0] = cos_yaw * velocity_x + sin_yaw * velocity_y
-    observed[1] = cos_yaw * velocity_y - sin_yaw * velocity_x
-    observed[2] = velocity_z
+    truth.com_velocity[0] = cos_yaw * velocity_x + sin_yaw * velocity_y
+    truth.com_velocity[1] = cos_yaw * velocity_y - sin_yaw * velocity_x
+    truth.com_velocity[2] = velocity_z
     for i in range(3):
-        observed[3 + i] = world.xpos[torso, i]
-    observed[6] = math.atan2(rotation[7], rotation[8])
-    observed[7] = math.atan2(-rotation[6], math.sqrt(rotation[7] ** 2 + rotation[8] ** 2))
-    observed[8] = yaw
+        truth.torso[i] = world.xpos[torso, i]
+    truth.attitude[0] = math.atan2(rotation[7], rotation[8])
+    truth.attitude[1] = math.atan2(-rotation[6], math.sqrt(rotation[7] ** 2 + rotation[8] ** 2))
+    truth.attitude[2] = yaw
     hip = world.xpos[torso, 2]
     for k in range(3):
         hip += rotation[6 + k] * geometry.hip_midpoint[k]
-    observed[9] = hip - observed[13]
-    observed[10] = hip - observed[16]
-    observed[17] = abs(world.contact_readings[2])
-    observed[18] = abs(world.contact_readings[5])
-    bodies = 0.0
-    for k in range(7, world.contact_readings.shape[0]):
-        bodies += world.contact_readings[k]
-    observed[21] = bodies
+    for leg in range(truth.force.shape[0]):
+        truth.hip_height[leg] = hip - truth.sole[3 * leg + 2]
+        truth.force[leg] = abs(world.sole_readings[3 * leg + 2])
+    truth.body_contact[0] = 0.0
+    for k in range(world.body_readings.shape[0]):
+        truth.body_contact[0] += world.body_readings[k]
 
 
 @kernel
@@ -207,8 +250,8 @@ def read_sensors(address: int, noisy: int) -> None:
     for i in range(3):
         out.accelerometer[i] = world.imu_readings[i]
         out.gyro[i] = world.imu_readings[3 + i]
-    out.sole_force[0] = abs(world.contact_readings[2])
-    out.sole_force[1] = abs(world.contact_readings[5])
+    for leg in range(out.sole_force.shape[0]):
+        out.sole_force[leg] = abs(world.sole_readings[3 * leg + 2])
     for i in range(4):
         out.base_quaternion[i] = world.qpos[3 + i]
     for j in range(nj):

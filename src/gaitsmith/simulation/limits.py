@@ -1,0 +1,201 @@
+"""Limits that a run hits: which, since when, and forgotten once a step has passed without any."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from gaitsmith.compiled import IntVector, Vector, kernel
+from gaitsmith.robots import Robot
+from gaitsmith.robots.parameters import ControlParameters
+
+_SATURATED = 0.999  # of the limit
+_EDGE = 1e-3  # m within which the ZMP or a foothold counts as on its bound
+_STOP = 5e-3  # rad within which a joint counts as on its limit
+_HELD = 5e-3  # s that a limit has to be hit without a pause; shorter ones are the solver's business
+
+
+class Seen(NamedTuple):
+    """What the monitor reads: telemetry of the controller, then what is true of the robot."""
+
+    mode: Vector
+    stance: Vector
+    step_count: Vector
+    period: Vector
+    height: Vector
+    yaw_rate: Vector
+    joint_position: Vector
+    joint_velocity: Vector
+    torque: Vector
+    foothold: Vector
+    foothold_bound: Vector
+    wrench: Vector
+    zmp: Vector
+    qp_infeasible: Vector
+    touchdowns_forced: Vector
+    com_velocity: Vector
+    torso: Vector
+    attitude: Vector
+    hip_height: Vector
+    leg_contact: Vector
+    body_contact: Vector
+    diverged: Vector
+
+
+class Bounds(NamedTuple):
+    """Limits to compare with; joint order, SI units."""
+
+    torque: Vector
+    velocity: Vector
+    position_low: Vector
+    position_high: Vector
+    heel: Vector
+    toe: Vector
+    reach: float
+    spread: float
+    zmp_margin: float
+    friction: float
+    dt: float
+
+
+class Flags(NamedTuple):
+    """1 where a limit is hit at this tick, as views of one array; per joint, per sole, or single."""
+
+    torque: IntVector
+    position: IntVector
+    reach: IntVector
+    spread: IntVector
+    separation: IntVector
+    zmp: IntVector
+    friction: IntVector
+    legs: IntVector
+    infeasible: IntVector
+    forced: IntVector
+
+
+_WORDS = {
+    "torque": "torque of {} saturated",
+    "position": "joint limit of {}",
+    "reach": "foothold at its reach bound",
+    "spread": "foothold at its spread bound",
+    "separation": "foothold at its separation bound",
+    "zmp": "ZMP at the edge of the {} sole",
+    "friction": "friction limit of the {} sole",
+    "legs": "legs touching each other",
+    "infeasible": "whole-body QP infeasible",
+    "forced": "step ended by the clock",
+}
+_AT_ONCE = ("legs", "infeasible", "forced")  # count from a single tick on
+
+
+class Hits(NamedTuple):
+    """Limits since the last step without any.
+
+    Attributes:
+        flags: of this tick.
+        now: (n,) the same in one array.
+        hold: (n,) ticks in a row that make a hit.
+        lasting: (n,) ticks in a row so far.
+        first: (n,) tick at which the first hit began; -1 for none.
+        disturbed: whether the present step has a hit.
+        since: ticks since the step began, or since one could have.
+        qp_infeasible, touchdowns_forced: counts at the tick before.
+    """
+
+    flags: Flags
+    now: IntVector
+    hold: IntVector
+    lasting: IntVector
+    first: IntVector
+    disturbed: IntVector
+    since: IntVector
+    qp_infeasible: Vector
+    touchdowns_forced: Vector
+
+
+def make_bounds(robot: Robot, parameters: ControlParameters, dt: float) -> Bounds:
+    """Limits of a robot and of its controller; ``dt`` is the time from one observation to the next, s."""
+    return Bounds(
+        torque=np.asarray(robot.torque_limit),
+        velocity=np.asarray(robot.velocity_limit),
+        position_low=np.asarray(robot.position_low),
+        position_high=np.asarray(robot.position_high),
+        heel=np.array([leg.sole.heel for leg in robot.legs]),
+        toe=np.array([leg.sole.toe for leg in robot.legs]),
+        reach=parameters.foothold.reach,
+        spread=parameters.foothold.spread,
+        zmp_margin=parameters.contact.zmp_margin,
+        friction=parameters.contact.friction,
+        dt=dt,
+    )
+
+
+def make_hits(joints: tuple[str, ...], soles: tuple[str, ...], dt: float) -> tuple[Hits, tuple[str, ...]]:
+    """No limit hit yet, and the limits' names."""
+    owners = {"torque": joints, "position": joints, "zmp": soles, "friction": soles}
+    members = [[_WORDS[field].format(owner) for owner in owners.get(field, ("",))] for field in Flags._fields]
+    holds = [1 if field in _AT_ONCE else max(1, round(_HELD / dt)) for field in Flags._fields]
+    now = np.zeros(sum(map(len, members)), dtype=np.int64)
+    ends = np.cumsum([len(names) for names in members])
+    hits = Hits(
+        flags=Flags(*np.split(now, ends[:-1])),
+        now=now,
+        hold=np.repeat(holds, [len(names) for names in members]),
+        lasting=np.zeros_like(now),
+        first=np.full_like(now, -1),
+        disturbed=np.zeros(1, dtype=np.int64),
+        since=np.zeros(1, dtype=np.int64),
+        qp_infeasible=np.zeros(1),
+        touchdowns_forced=np.zeros(1),
+    )
+    return hits, tuple(name for names in members for name in names)
+
+
+@kernel
+def is_saturated(torque: float, limit: float) -> bool:
+    """Whether a torque counts as at its limit."""
+    return abs(torque) >= _SATURATED * limit
+
+
+@kernel
+def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
+    """Which limits are hit at this tick."""
+    flags = hits.flags
+    for j in range(bounds.torque.shape[0]):
+        flags.torque[j] = 1 if is_saturated(seen.torque[j], bounds.torque[j]) else 0
+        q = seen.joint_position[j]
+        flags.position[j] = 1 if q < bounds.position_low[j] + _STOP or q > bounds.position_high[j] - _STOP else 0
+    bounded = seen.foothold_bound[0] > 0.0 and seen.mode[0] > 0.0
+    far, wide = abs(seen.foothold[0]) > bounds.reach - _EDGE, abs(seen.foothold[1]) > bounds.spread - _EDGE
+    flags.reach[0] = 1 if bounded and far else 0
+    flags.spread[0] = 1 if bounded and wide and not far else 0
+    flags.separation[0] = 1 if bounded and not far and not wide else 0
+    for leg in range(bounds.toe.shape[0]):
+        force = seen.wrench[6 * leg : 6 * leg + 3]
+        x, margin, loaded = seen.zmp[2 * leg], bounds.zmp_margin + _EDGE, force[2] > 1.0
+        flags.zmp[leg] = 1 if loaded and (x > bounds.toe[leg] - margin or x < margin - bounds.heel[leg]) else 0
+        sideways = math.sqrt(force[0] ** 2 + force[1] ** 2)
+        flags.friction[leg] = 1 if loaded and sideways > _SATURATED * bounds.friction * force[2] else 0
+    flags.legs[0] = 1 if seen.leg_contact[0] > 0.0 else 0
+    flags.infeasible[0] = 1 if seen.qp_infeasible[0] > hits.qp_infeasible[0] else 0
+    flags.forced[0] = 1 if seen.touchdowns_forced[0] > hits.touchdowns_forced[0] else 0
+    hits.qp_infeasible[0], hits.touchdowns_forced[0] = seen.qp_infeasible[0], seen.touchdowns_forced[0]
+
+
+@kernel
+def remember_hits(seen: Seen, bounds: Bounds, hits: Hits, tick: int, stepped: bool) -> None:
+    """Forget everything when a step ends in which no limit was hit; standing counts in steps of the same length."""
+    hits.since[0] += 1
+    if stepped or (seen.mode[0] == 0.0 and hits.since[0] * bounds.dt >= seen.period[0]):
+        if hits.disturbed[0] == 0:
+            for k in range(hits.first.shape[0]):
+                hits.first[k] = -1
+        hits.disturbed[0] = hits.since[0] = 0
+    for k in range(hits.now.shape[0]):
+        hits.lasting[k] = hits.lasting[k] + 1 if hits.now[k] == 1 else 0
+        if hits.lasting[k] >= hits.hold[k]:
+            hits.disturbed[0] = 1
+            if hits.first[k] < 0:
+                hits.first[k] = tick - hits.hold[k] + 1

@@ -1,0 +1,115 @@
+"""The summary of a run from what was seen of it, while it goes or from its log."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.log.columns import Columns
+from gaitsmith.robots import Robot
+from gaitsmith.simulation.fall import Fall
+from gaitsmith.simulation.monitor import Monitor
+from gaitsmith.simulation.scenario import Scenario
+from gaitsmith.simulation.summary import FallReport, LogCounts, Memory, QpCounts, Summary, TickTimes
+
+
+def _last(columns: Columns, name: str) -> float:
+    """Present value of a column; 0 where a controller does not report it."""
+    found = columns.find(name)
+    return 0.0 if found is None else float(found[0])
+
+
+def refused_readings(columns: Columns) -> dict[str, int]:
+    """Ticks that were refused for unusable readings, by sensor."""
+    found = columns.find("refused")
+    return {} if found is None else dict(zip(columns.labels("refused"), map(int, found), strict=True))
+
+
+def phase_in_words(columns: Columns) -> str:
+    """Stance leg and share of the step."""
+    mode, stance, period = _last(columns, "mode"), int(_last(columns, "stance")), _last(columns, "command.period")
+    if mode == 1.0 and stance < 2 and period > 0.0:
+        return f"{('left', 'right')[stance]} stance, {100.0 * _last(columns, 'step_time') / period:.0f} % of the step"
+    return "standing"
+
+
+def sum_up(
+    scenario: Scenario,
+    robot: Robot,
+    monitor: Monitor,
+    columns: Columns,
+    *,
+    time: float,
+    fall: Fall | None,
+    interrupted: bool,
+    tick_us: TickTimes,
+    realtime_factor: float,
+    pushes: tuple[float | None, ...],
+    warnings: tuple[str, ...],
+    memory: Memory | None,
+    log: LogCounts | None,
+) -> Summary:
+    """A run in numbers.
+
+    Args:
+        scenario: what was run.
+        robot: that was run.
+        monitor: that watched it.
+        columns: telemetry and truth as they are at the end.
+        time: simulated, s.
+        fall: None if there was none.
+        interrupted: whether it was cut short.
+        tick_us: wall times of the ticks.
+        realtime_factor: simulated over wall time.
+        pushes: when each began, s.
+        warnings: of the physics engine.
+        memory: in use at the beginning and now.
+        log: what was recorded.
+    """
+    kept, joints, true = monitor.kept, monitor.kept.joints, monitor.prefix
+    shares = max(monitor.ticks, 1)
+
+    def per_joint(values: npt.NDArray[np.float64]) -> dict[str, float]:
+        return dict(zip(monitor.joint_names, values.tolist(), strict=True))
+
+    def degrees(span: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]) -> tuple[float, float]:
+        low, high = (float(np.degrees(value[0])) for value in span)
+        return (low, high) if kept.upright[0] else (0.0, 0.0)
+
+    return Summary(
+        fell=fall is not None,
+        fall=FallReport(time=fall.time, phase=fall.phase, reason=fall.reason) if fall else None,
+        interrupted=interrupted,
+        robot=robot.card.name,
+        preset=scenario.preset,
+        state=scenario.state,
+        terrain=scenario.terrain,
+        seed=scenario.seed,
+        duration=time,
+        steps=int(_last(columns, "step_count")),
+        stages=monitor.stages(),
+        drift=_last(columns, true + "excursion"),
+        distance=monitor.distance,
+        yaw_deg=degrees(kept.yaws),
+        heading_deg=degrees(kept.headings),
+        min_foot_separation=_last(columns, true + "least_separation"),
+        leg_contacts=int(_last(columns, true + "leg_contacts")),
+        torque_peak=per_joint(joints.torque_peak),
+        torque_saturated=per_joint(joints.torque_saturated / shares),
+        torque_step_max=per_joint(joints.torque_step),
+        velocity_peak=per_joint(joints.velocity_peak),
+        velocity_over=per_joint(joints.velocity_over / shares),
+        control_state="walking" if _last(columns, "mode") == 1.0 else "standing",
+        refused=refused_readings(columns),
+        qp=QpCounts(
+            solves=int(_last(columns, "qp_solves")),
+            fallbacks=int(_last(columns, "qp_fallbacks")),
+            infeasible=int(_last(columns, "qp_infeasible")),
+        ),
+        tick_us=tick_us,
+        realtime_factor=realtime_factor,
+        pushes=pushes,
+        warnings=warnings,
+        memory_mb=memory,
+        log=log,
+    )

@@ -1,0 +1,61 @@
+"""How long the control ticks took, in bounded memory: a histogram whose bins are half a per cent wide."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.simulation.summary import TickTimes
+
+_LEAST, _MOST = 1e2, 1e11  # ns
+_BINS_PER_E = 200
+_BLOCK = 1000  # ticks that are sorted into bins at once
+
+
+class WallTimes:
+    """Wall times of control ticks.
+
+    Args:
+        control_step: s; a longer tick is an overrun.
+    """
+
+    def __init__(self, control_step: float) -> None:
+        self._limit = 1e9 * control_step
+        self._counts = np.zeros(math.ceil(_BINS_PER_E * math.log(_MOST / _LEAST)) + 1, dtype=np.int64)
+        self._block = np.zeros(_BLOCK, dtype=np.int64)
+        self._filled, self._longest, self._overruns = 0, 0, 0
+
+    def add(self, nanoseconds: int) -> None:
+        """Take note of one tick."""
+        self._block[self._filled] = nanoseconds
+        self._filled += 1
+        if self._filled == _BLOCK:
+            self._sort()
+
+    def _sort(self) -> None:
+        """Empty the block into the bins."""
+        block = self._block[: self._filled]
+        if not len(block):
+            return
+        places = np.rint(_BINS_PER_E * np.log(np.clip(block, _LEAST, _MOST) / _LEAST)).astype(np.int64)
+        self._counts += np.bincount(places, minlength=len(self._counts))
+        self._longest = max(self._longest, int(block.max()))
+        self._overruns += int(np.count_nonzero(block > self._limit))
+        self._filled = 0
+
+    def histogram(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+        """Durations, µs, that occurred, and how many ticks took so long."""
+        self._sort()
+        used = np.flatnonzero(self._counts)
+        return 1e-3 * _LEAST * np.exp(used / _BINS_PER_E), self._counts[used]
+
+    def summary(self) -> TickTimes:
+        """Median and 99th percentile within half a per cent, the longest, and the overruns."""
+        durations, counts = self.histogram()
+        if not len(counts):
+            return TickTimes(median=0.0, p99=0.0, max=0.0, overruns=0)
+        below = np.cumsum(counts)
+        median, late = (float(durations[np.searchsorted(below, share * below[-1])]) for share in (0.5, 0.99))
+        return TickTimes(median=median, p99=late, max=1e-3 * self._longest, overruns=self._overruns)

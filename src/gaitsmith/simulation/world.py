@@ -1,0 +1,106 @@
+"""The model that the physics engine runs: robot, ground, props, and the sensors that the plant reads."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from gaitsmith.errors import GaitsmithError
+from gaitsmith.robots import Robot
+from gaitsmith.simulation.terrain import Region, Terrain
+
+_FOUND, _FORCE = 1, 2  # bits of a contact sensor's data field
+_FIRST, _SUM = 0, 3  # how a contact sensor reduces several contacts
+_ANY_BIT = 0x7FFFFFFF  # ground collides with every geometry that collides with anything
+_SOLREF = (0.005, 1.0)  # s, -: stiff enough that a sole sinks in less than 1 mm
+_STICTION = 0.995  # impedance of joint friction: the engine's default lets a held joint creep
+_FALLBACK_FRICTION = (0.005, 0.0001)  # torsional and rolling, unused by a contact of dimension 3
+
+
+class PlantError(GaitsmithError):
+    """The physics engine refused the model or stopped; its own message is kept."""
+
+
+def set_options(spec: mujoco.MjSpec, physics_step: float) -> None:
+    """Step, friction cone, and no silent reset of a diverged state."""
+    spec.option.timestep = physics_step
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_ACTUATION
+
+
+def add_ground(spec: mujoco.MjSpec, terrain: Terrain, region: Region, friction: float) -> None:
+    """Plane and blocks; their contact parameters take priority over the robot's."""
+    surface = {
+        "contype": _ANY_BIT,
+        "conaffinity": _ANY_BIT,
+        "condim": 3,
+        "priority": 1,
+        "friction": (friction, *_FALLBACK_FRICTION),
+        "solref": _SOLREF,
+    }
+    if terrain.has_plane:
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), **surface)
+    for block in terrain.blocks(region):
+        half = block.pitch / 2
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=block.centre,
+            size=block.half_size,
+            quat=(np.cos(half), 0.0, np.sin(half), 0.0),
+            **surface,
+        )
+
+
+def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[mujoco.MjModel, int, int]:
+    """Add the sensors that the kernels read and build the model; also the sensors' first addresses."""
+    body, subtree = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_XBODY
+    names = [robot.model.body(b).name for b in range(robot.model.nbody)]
+    feet = [leg.sole_body for leg in robot.legs]
+    roots = [names[robot.model.jnt_bodyid[leg.joint_indices[0] + 1]] for leg in robot.legs]
+
+    def contact(objtype: object, first: str, reftype: object, second: str, what: int, reduce: int) -> None:
+        spec.add_sensor(
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=objtype,
+            objname=first,
+            reftype=reftype,
+            refname=second,
+            intprm=[what, reduce, 1],
+        )
+
+    n_before = len(spec.sensors)
+    for foot in feet:
+        contact(body, names[foot], body, "world", _FORCE, _SUM)
+    contact(subtree, roots[0], subtree, roots[1], _FOUND, _FIRST)
+    for b in range(1, len(names)):
+        if b not in feet:
+            contact(body, names[b], body, "world", _FOUND, _FIRST)
+    n_imu = len(spec.sensors)
+    torso = spec.body(names[robot.torso_body])
+    turned = np.zeros(4)
+    mujoco.mju_mat2Quat(turned, np.asarray(robot.imu_rotation).ravel())
+    imu = torso.add_site(name="gaitsmith_imu", pos=robot.imu_position, quat=turned)
+    for kind in (mujoco.mjtSensor.mjSENS_ACCELEROMETER, mujoco.mjtSensor.mjSENS_GYRO):
+        spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=imu.name)
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise PlantError(f"the physics engine refused the model: {error}") from None
+    joints = slice(6, robot.model.nv)
+    model.dof_armature[joints.stop :] = model.dof_damping[joints.stop :] = 0.0  # props are not the robot's joints
+    if joint_friction > 0.0:
+        model.dof_frictionloss[joints] += joint_friction
+        model.dof_solref[joints] = _SOLREF
+        model.dof_solimp[joints, :2] = _STICTION
+    return model, int(model.sensor_adr[n_before]), int(model.sensor_adr[n_imu])
+
+
+def change_masses(
+    model: mujoco.MjModel, data: mujoco.MjData, bodies: int, factor: float, spread: float, seed: int
+) -> None:
+    """Multiply mass and inertia of the first bodies by ``factor (1 ± spread)``."""
+    factors = factor * (1.0 + np.random.default_rng([seed, 0xB3]).uniform(-spread, spread, bodies))
+    model.body_mass[:bodies] *= factors
+    model.body_inertia[:bodies] *= factors[:, None]
+    mujoco.mj_setConst(model, data)
