@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import secrets
 import signal
@@ -33,6 +34,17 @@ def open_regular(path: str | Path) -> BinaryIO:
         os.close(handle)
         raise BadInput(str(path), "something else", "a regular file")
     return os.fdopen(handle, "rb")
+
+
+def lock(file: BinaryIO) -> bool:
+    """Lock an open file against other processes until it is closed; False if another one has locked it."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def read_bounded(path: str | Path, limit: int) -> bytes:

@@ -15,6 +15,7 @@ from gaitsmith.estimation.filters import (
     make_estimator_gains,
     make_estimator_state,
     predict_axis,
+    turn_to_torso,
 )
 from gaitsmith.estimation.measurement import make_measurement
 from gaitsmith.robots import load_robot

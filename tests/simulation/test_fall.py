@@ -1,54 +1,93 @@
-"""The limit named first is the one that was hit first and for long enough."""
+"""The limit named first is the one that was hit first and for long enough, since the last step without any."""
 
 from __future__ import annotations
 
+import itertools
+from types import SimpleNamespace
+
 import numpy as np
-import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gaitsmith.simulation.fall import first_hits
-from gaitsmith.simulation.monitor import MEMORY
+from gaitsmith.simulation.fall import explain
+from gaitsmith.simulation.limits import Bounds, Seen, make_hits, remember_hits
+from gaitsmith.simulation.monitor import TILTED
+
+DT = 1e-3
+KNEE, FRICTION, LEGS = 0, 7, 9  # places of three limits for one joint and two soles
+BOUNDS = Bounds(*(np.zeros(2) for _ in range(6)), reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, dt=DT)
+
+
+def _seen() -> Seen:
+    seen = Seen(*(np.zeros(12) for _ in Seen._fields))
+    seen.mode[0], seen.period[0] = 1.0, 0.4
+    return seen
+
+
+def _remembered(flags: np.ndarray, steps: set[int], seen: Seen | None = None) -> dict[str, int]:
+    """First hits after flags (ticks, 3) of the three limits, with steps that begin at some ticks."""
+    hits, names = make_hits(("knee",), ("left", "right"), DT)
+    for tick, row in enumerate(flags):
+        hits.now[[KNEE, FRICTION, LEGS]] = row
+        remember_hits(seen or _seen(), BOUNDS, hits, tick, tick in steps)
+    return {name: int(tick) for name, tick in zip(names, hits.first, strict=True) if tick >= 0}
+
 
 NAMES = ("torque of knee saturated", "friction limit of the left sole", "legs touching each other")
-DT = 1e-3
 
 
-def _ring(flags: np.ndarray) -> np.ndarray:
-    """Flags per tick as the monitor's ring holds them."""
-    ring = np.zeros((MEMORY, flags.shape[1]), dtype=np.int64)
-    for tick, row in enumerate(flags):
-        ring[tick % MEMORY] = row
-    return ring
-
-
+@settings(max_examples=25)
 @given(
-    st.integers(10, 4000), st.lists(st.tuples(st.integers(0, 2), st.integers(0, 1400), st.integers(1, 60)), max_size=5)
+    st.integers(10, 400),
+    st.lists(st.tuples(st.integers(0, 2), st.integers(0, 400), st.integers(1, 60)), max_size=5),
+    st.sets(st.integers(1, 399), max_size=6),
 )
-def test_hits_are_found_where_they_began(ticks, episodes):
+def test_hits_are_found_where_they_began(ticks, stretches, steps):
     flags = np.zeros((ticks, 3), dtype=np.int64)
-    for column, before, length in episodes:
-        start = max(0, ticks - 1 - before)
+    for column, start, length in stretches:
         flags[start : start + length, column] = 1
-    found = {hit.name: hit.before for hit in first_hits(_ring(flags), ticks, NAMES, DT)}
-    recent = flags[-MEMORY:]
-    for column, need in enumerate((5, 5, 1)):
-        runs = [i for i in range(len(recent) - need + 1) if recent[i : i + need, column].all()]
-        if runs:
-            assert found[NAMES[column]] == pytest.approx((len(recent) - 1 - runs[0]) * DT)
-        else:
-            assert NAMES[column] not in found
+    needs = (5, 5, 1)
+    held = np.zeros((ticks, 3), dtype=bool)  # counts at this tick
+    for column, need in enumerate(needs):
+        for tick in range(need - 1, ticks):
+            held[tick, column] = flags[tick - need + 1 : tick + 1, column].all()
+    edges = [0, *sorted(step for step in steps if step < ticks), ticks]
+    since = 0
+    for begin, end in itertools.pairwise(edges):
+        if end < ticks and not held[begin:end].any():
+            since = end  # an undisturbed step: everything before is forgotten
+    expected = {
+        NAMES[column]: since + int(np.argmax(held[since:, column])) - needs[column] + 1
+        for column in range(3)
+        if held[since:, column].any()
+    }
+    assert _remembered(flags, steps) == expected
 
 
-def test_the_earliest_comes_first():
-    flags = np.zeros((2000, 3), dtype=np.int64)
-    flags[1500:1600, 1] = 1
-    flags[1900, 2] = 1
-    flags[1700:1702, 0] = 1
-    assert [hit.name for hit in first_hits(_ring(flags), 2000, NAMES, DT)] == [NAMES[1], NAMES[2]]
+def test_a_limit_is_remembered_over_steps_that_hit_others():
+    flags = np.zeros((5000, 3), dtype=np.int64)
+    flags[100:120, 0] = 1
+    for begin in range(400, 5000, 400):
+        flags[begin + 50 : begin + 60, 1] = 1
+    steps = set(range(400, 5000, 400))
+    assert _remembered(flags, steps) == {NAMES[0]: 100, NAMES[1]: 450}
 
 
-def test_what_is_older_than_the_memory_is_forgotten():
-    flags = np.zeros((4000, 3), dtype=np.int64)
-    flags[100:400, 0] = 1
-    assert first_hits(_ring(flags), 4000, NAMES, DT) == []
+def test_standing_undisturbed_for_a_step_forgets():
+    flags, seen = np.zeros((2000, 3), dtype=np.int64), _seen()
+    seen.mode[0] = 0.0
+    flags[100:300, 0] = 1
+    assert _remembered(flags[:700], set(), seen) == {NAMES[0]: 100}
+    assert _remembered(flags, set(), seen) == {}
+
+
+def _monitor(hits: list[tuple[str, int]]) -> SimpleNamespace:
+    return SimpleNamespace(ticks=5001, dt=DT, state=TILTED, hits=lambda: hits)
+
+
+def test_the_reason_names_the_first_limit_and_three_more():
+    hits = [(name, 1000 * k) for k, name in enumerate("abcde", 1)]
+    reason = explain(_monitor(hits), 5.0, "standing", {"gyro": 2, "knee": 0}).reason  # type: ignore[arg-type]
+    assert "; first limit hit: a, at 1.000 s; then b at 2.000 s, c at 3.000 s, d at 4.000 s" in reason
+    assert reason.endswith("ticks with unusable readings: 2 of gyro")
+    assert "no limit was hit in the last step" in explain(_monitor([]), 5.0, "standing", {}).reason  # type: ignore[arg-type]

@@ -12,7 +12,6 @@ from tests.simulation.standing import energy, floating, ground_height, hold, mom
 
 from gaitsmith.errors import BadInput
 from gaitsmith.estimation.measurement import make_measurement
-from gaitsmith.simulation import plant as physics
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.terrain import Region, parse_terrain
 
@@ -110,8 +109,7 @@ def test_reset_puts_the_soles_on_the_ground():
     q = posture()
     q[2] = 3.7
     plant.reset(q)
-    soles = [plant.observed[plant.observed_columns.index(f"{side}_sole_z")] for side in ("left", "right")]
-    assert min(soles) == pytest.approx(0.0, abs=EXACT)
+    assert min(plant.truth.sole[2], plant.truth.sole[5]) == pytest.approx(0.0, abs=EXACT)
 
 
 @pytest.mark.parametrize("bad", [np.zeros(3), np.full(15, np.nan)])
@@ -130,7 +128,7 @@ def test_observed_values_agree_with_the_engine_on_a_tumbling_robot():
         data.qpos[:], data.qvel[:] = plant.q, plant.v
         mujoco.mj_forward(model, data)
         mujoco.mj_subtreeVel(model, data)
-        seen = dict(zip(plant.observed_columns, plant.observed, strict=True))
+        seen = dict(zip(plant.truth_columns, plant.truth_buffer, strict=True))
         torso = data.xmat[robot().torso_body].reshape(3, 3)
         yaw = math.atan2(torso[1, 0], torso[0, 0])
         into_heading = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
@@ -148,8 +146,8 @@ def test_observed_values_agree_with_the_engine_on_a_tumbling_robot():
         assert seen["torso_yaw"] == pytest.approx(yaw, abs=EXACT)
         assert seen["hip_height_left"] == pytest.approx(hip[2] - soles[0][2], abs=EXACT)
     # At every physics step, so never more than what is seen once a tick, and near it.
-    assert smallest - 2e-3 < plant.min_separation <= smallest
-    assert far <= plant.excursion + EXACT
+    assert smallest - 2e-3 < plant.truth.least_separation[0] <= smallest
+    assert far <= plant.truth.excursion[0] + EXACT
 
 
 def test_torque_comes_after_its_delay():
@@ -195,20 +193,23 @@ def test_a_touch_between_the_legs_is_counted_once_however_long():
     torque[roll] = (-40.0, 40.0)
     for _ in range(150):
         plant.step(torque)
-    assert plant.leg_contacts >= 1
-    assert plant.leg_contacts < 20
-    assert plant.min_separation < 0.1
+    assert 1 <= plant.truth.leg_contacts[0] < 20
+    assert plant.truth.least_separation[0] < 0.1
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_state_that_is_not_finite_is_reported_and_writes_no_log_file(plant, bad, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    physics.heard.clear()
+    other = floating()
     plant.q[7] = bad
     for _ in range(3):
         plant.step(np.zeros(8))
-    assert plant.diverged
-    assert physics.heard
+        other.step(np.zeros(8))
+    assert plant.truth.diverged[0] > 0
+    assert plant.warnings
+    assert other.warnings == []
+    plant.reset(posture())
+    assert plant.warnings == []
     assert list(Path(tmp_path).iterdir()) == []
 
 
@@ -218,7 +219,7 @@ def test_the_same_seed_gives_the_same_bits():
         plant = Plant(robot(), terrain=parse_terrain("boxes:0.05", 4), seed=4)
         plant.reset(posture())
         hold(plant, 200)
-        ends.append((plant.q.copy(), plant.v.copy(), plant.observed.copy()))
+        ends.append((plant.q.copy(), plant.v.copy(), plant.truth_buffer.copy()))
     for first, second in zip(*ends, strict=True):
         np.testing.assert_array_equal(first, second)
 

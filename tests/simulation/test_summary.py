@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitsmith.simulation.summary import Span, StageCommand, measure_stages, scored_window, tick_times
+from gaitsmith.simulation.summary import Signals, Span, Stage, StageCommand, measure_stage, scored_window
 
 DT = 1e-3
-COMMAND = StageCommand(vx=0.4, vy=0.1, period=0.4, alpha=0.5, height=0.7, lift=0.1, width=0.0375, yaw_rate=0.0)
+COMMAND = StageCommand(vx=0.4, vy=0.1, period=0.4, alpha=0.5, height=0.7, lift=0.1, width=0.0375, yaw_rate=0.3)
 
 
 def _walk(step_ticks: int, n: int) -> np.ndarray:
@@ -21,25 +21,35 @@ def _walk(step_ticks: int, n: int) -> np.ndarray:
     return np.stack([ticks, np.arange(len(ticks)) % 2], axis=1)
 
 
-def _signal(step_ticks: int, n: int) -> np.ndarray:
-    """Vitals whose speed swings once a step and sways once a stride about the command."""
-    turn = 2 * np.pi * np.arange(n) / step_ticks
-    vitals = np.zeros((n, 8))
-    vitals[:, 0] = 0.4 + 0.2 * np.sin(turn)
-    vitals[:, 1] = 0.1 + 0.3 * np.cos(turn / 2)
-    vitals[:, 2] = 0.7 + 0.01 * np.sin(turn)
-    vitals[:, 3] = np.radians(0.3) * np.sin(turn / 2)
-    return vitals
+def _signals(step_ticks: int, n: int, start: int = 0) -> Signals:
+    """Signals whose speed swings once a step and sways once a stride about the command."""
+    ticks = np.arange(start, n)
+    turn = 2 * np.pi * ticks / step_ticks
+    return Signals(
+        speed_x=0.4 + 0.2 * np.sin(turn),
+        speed_y=0.1 + 0.3 * np.cos(turn / 2),
+        height=0.7 + 0.01 * np.sin(turn),
+        roll=np.radians(0.3) * np.sin(turn / 2),
+        pitch=np.zeros(n - start),
+        heading=0.3 * DT * ticks + 0.05 * np.cos(turn / 2),
+    )
 
 
-@given(st.integers(150, 480), st.integers(0, 400))
-def test_periodic_speed_averages_out_whatever_the_step(step_ticks, offset):
+def _measured(span: Span, signals: Signals, start: int, touchdowns: np.ndarray) -> Stage:
+    return measure_stage(span, start, signals, touchdowns, (-0.01, 0.02), (-0.03, 0.0), 0.1, DT)
+
+
+@given(st.integers(150, 480), st.integers(0, 400), st.booleans())
+def test_periodic_speed_averages_out_whatever_the_step(step_ticks, offset, whole):
     n = 4000 + offset
-    stages = measure_stages([Span(offset, n, False, COMMAND)], _signal(step_ticks, n), _walk(step_ticks, n), DT)
+    start = 0 if whole else n - 2001
+    stage = _measured(Span(offset, n, False, COMMAND), _signals(step_ticks, n, start), start, _walk(step_ticks, n))
     # Whole strides of a sampled sine sum to zero up to rounding.
-    assert stages[0].vx_error == pytest.approx(0.0, abs=1e-12)
-    assert stages[0].vy_error == pytest.approx(0.0, abs=1e-12)
-    assert stages[0].height_error == pytest.approx(0.0, abs=1e-12)
+    assert stage.vx_error == pytest.approx(0.0, abs=1e-12)
+    assert stage.vy_error == pytest.approx(0.0, abs=1e-12)
+    assert stage.height_error == pytest.approx(0.0, abs=1e-12)
+    assert stage.yaw_rate_mean == pytest.approx(0.3, abs=1e-12)
+    assert stage.yaw_rate_error == pytest.approx(0.0, abs=1e-12)
 
 
 @given(st.lists(st.integers(100, 600), min_size=2, max_size=40), st.integers(0, 1))
@@ -62,23 +72,15 @@ def test_the_window_is_whole_stride_pairs_inside_the_last_two_seconds(lengths, l
     assert strides == (max(even) if even else 1)
 
 
-def test_a_stage_cut_short_is_measured_as_far_as_it_went():
-    spans = [Span(0, 1000, True, COMMAND), Span(1000, 5000, False, COMMAND), Span(5000, 9000, False, COMMAND)]
-    stages = measure_stages(spans, _signal(400, 3000), _walk(400, 3000), DT)
-    assert [(stage.t0, stage.t1) for stage in stages] == [(0.0, 1.0), (1.0, 3.0)]
-    assert stages[0].rest
-    json.dumps(stages[1].model_dump(mode="json"), allow_nan=False)
-
-
-def test_ranges_are_in_degrees():
-    stage = measure_stages([Span(0, 4000, False, COMMAND)], _signal(400, 4000), _walk(400, 4000), DT)[0]
-    assert stage.roll_deg == pytest.approx((-0.3, 0.3), abs=1e-6)
+def test_ranges_are_in_degrees_and_a_stage_goes_into_json():
+    stage = _measured(Span(0, 4000, False, COMMAND), _signals(400, 4000), 0, _walk(400, 4000))
     assert stage.settled_roll_deg == pytest.approx((-0.3, 0.3), abs=1e-6)
+    assert stage.roll_deg == pytest.approx((np.degrees(-0.01), np.degrees(0.02)))
+    assert stage.heading_drift_deg == pytest.approx(np.degrees(0.1))
+    json.dumps(stage.model_dump(mode="json"), allow_nan=False)
+    assert Stage.model_validate_json(stage.model_dump_json()) == stage
 
 
-def test_tick_times_count_overruns():
-    times = tick_times(np.array([20_000] * 98 + [1_500_000, 2_000_000], dtype=np.int64), DT)
-    assert times.median == 20.0
-    assert times.overruns == 2
-    assert times.max == 2000.0
-    assert tick_times(np.zeros(0, dtype=np.int64), DT).max == 0.0
+def test_a_single_tick_is_a_stage():
+    stage = _measured(Span(3, 4, True, COMMAND), _signals(400, 4), 0, _walk(400, 4))
+    assert (stage.t0, stage.t1, stage.rest) == (0.003, 0.004, True)

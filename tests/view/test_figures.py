@@ -56,7 +56,8 @@ def made_up_walk(seconds: float = 12.0, rate: float = 500.0) -> Recording:
         sole_position=soles,
         torso_position=torso,
         zmp=np.tile([0.02, 0.0, 0.02, 0.0], (n, 1)),
-        tick_us=25.0 * np.exp(0.2 * rng.standard_normal(n)),
+        tick_us=np.geomspace(10.0, 100.0, 50),
+        tick_counts=rng.integers(1, 1000, 50),
         legs=(
             LegTrace("left", (0, 1, 2, 3), 0.08, 0.14, 0.0),
             LegTrace("right", (4, 5, 6, 7), 0.08, 0.14, 0.0),
@@ -119,7 +120,7 @@ def test_a_recording_of_two_samples_is_drawn(walk: Recording, tmp_path: Path) ->
 
 
 def test_timing_is_drawn_only_if_durations_are_known(walk: Recording, tmp_path: Path) -> None:
-    unknown = replace(walk, tick_us=np.zeros(0))
+    unknown = replace(walk, tick_us=np.zeros(0), tick_counts=np.zeros(0, dtype=np.int64))
     assert {path.stem for path in write_figures(unknown, tmp_path)} == set(FIGURES) - {"timing"}
 
 

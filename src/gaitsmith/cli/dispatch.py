@@ -4,7 +4,7 @@ Only the chosen command's module is imported, and it imports the engine only whe
 engine's own defaults: other help stays fast.
 
 Exit codes: 0 done; 1 the robot fell, or a gait file is not right; 2 bad input; 3 not solved or not certified; 70 an
-error of the package itself (EX_SOFTWARE); 130 Ctrl-C.
+error of the package itself (EX_SOFTWARE); 130 Ctrl-C, SIGTERM or SIGHUP.
 """
 
 from __future__ import annotations
@@ -59,6 +59,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
     ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),
     ("play",): Command("gaitsmith.cli.play", "play", "replay a gait file in closed loop with physics"),
+    ("log", "check"): Command("gaitsmith.cli.log_check", "check", "what a run recorded; mends what a killed one left"),
     ("robots", "list"): Command("gaitsmith.cli.robots", "list_robots", "the robots that come with the package"),
     ("robots", "show"): Command("gaitsmith.cli.robots", "show", "a robot's joints, legs, limits and assumptions"),
     ("robots", "check"): Command("gaitsmith.cli.robots", "check", "check a card and the model it names"),

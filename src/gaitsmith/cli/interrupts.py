@@ -1,4 +1,4 @@
-"""Ctrl-C: heard once, for however often it is pressed, and never the end of the process by a signal."""
+"""Ctrl-C, SIGTERM and SIGHUP: heard once, however often they come, and never the end of the process by a signal."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import signal
 import threading
 import time
 
+from gaitsmith.files import ENDING
+
 _SAME = 2.0  # s within which Ctrl-C pressed again, or passed on by a wrapper, is the same wish
 
 
 class Interrupts:
     """Context in which Ctrl-C raises KeyboardInterrupt and is noted: a library may turn the exception into another.
 
-    Where Ctrl-C is ignored already (a job in the background), and in other threads, nothing changes.
+    SIGTERM and SIGHUP, which end a session or a batch job, do the same. A signal that is ignored already (a job in the
+    background) stays ignored, and in other threads nothing changes.
 
     Args:
         ending: the process ends after this: Ctrl-C is ignored from then on, or it would end it with a signal.
@@ -27,18 +30,18 @@ class Interrupts:
         self.over = False
         self._ending = ending
         self._last = -_SAME
-        self._ours = False
+        self._before: dict[int, object] = {}
 
     def __enter__(self) -> Interrupts:
-        usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-        self._ours = usual and threading.current_thread() is threading.main_thread()
-        if self._ours:
-            signal.signal(signal.SIGINT, self._note)
+        if threading.current_thread() is threading.main_thread():
+            for number in ENDING:
+                if signal.getsignal(number) in (signal.default_int_handler, signal.SIG_DFL):
+                    self._before[number] = signal.signal(number, self._note)
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._ours:
-            signal.signal(signal.SIGINT, signal.SIG_IGN if self._ending else signal.default_int_handler)
+        for number, before in self._before.items():
+            signal.signal(number, signal.SIG_IGN if self._ending else before)  # type: ignore[arg-type]
 
     def _note(self, *_: object) -> None:
         now, before = time.monotonic(), self._last

@@ -1,4 +1,8 @@
-"""Where results go: refused before the work if it cannot be written, and folders there only once they are complete."""
+"""Where results go: refused before the work if it cannot be written, complete afterwards.
+
+The folder of figures appears once it is complete. The folder of a run is there from the first tick on, so that whatever
+ends the run leaves what it had done.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,17 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import regular_target, why_unwritable
+from gaitsmith.files import lock, regular_target, why_unwritable, write_text_atomic
 
+if TYPE_CHECKING:
+    from gaitsmith.simulation import Summary
+
+LOG, SUMMARY = "log.mcap", "summary.json"
+FIGURE_ROWS = 150_000
+"""Rows that figures are drawn from, at most; ten minutes of a run."""
 _NEW = "a folder that does not exist yet"
 
 
@@ -99,3 +110,52 @@ def new_folder(folder: Path, field: str = "--out") -> Iterator[Path]:
         staging.rename(folder)
     except OSError:
         raise BadInput(field, str(folder), _NEW, f"the run is kept in {staging}") from None
+
+
+class RunFolder:
+    """The folder of one run, made when its log begins.
+
+    Args:
+        path: of the folder.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._made: list[Path] = []
+
+    def log(self) -> BinaryIO:
+        """Make the folder and the file of the log; the file is locked as long as it is open.
+
+        Raises:
+            BadInput: it cannot be made, or somebody else has taken the name meanwhile.
+        """
+        try:
+            for above in reversed([self.path, *self.path.parents]):
+                if above == self.path or not above.exists():
+                    above.mkdir()
+                    self._made.append(above)
+            file = open(self.path / LOG, "x+b", buffering=0)  # noqa: SIM115 - the run closes it
+        except FileExistsError:
+            raise BadInput("--out", str(self.path), _NEW, "choose another name") from None
+        except OSError as error:
+            reason = (error.strerror or "").lower()
+            raise BadInput("--out", str(self.path), "a folder that can be created", reason) from None
+        lock(file)
+        return file
+
+    def discard(self) -> None:
+        """Remove what :meth:`log` has made: nothing was recorded."""
+        if self.path in self._made:
+            shutil.rmtree(self.path, ignore_errors=True)
+        with contextlib.suppress(OSError):
+            for above in reversed(self._made[:-1]):
+                above.rmdir()
+
+
+def write_summary(folder: Path, summary: Summary) -> None:
+    """Write the summary of a run, whole or not at all.
+
+    Raises:
+        BadInput: the disk is full.
+    """
+    write_text_atomic(folder / SUMMARY, summary.model_dump_json(indent=2) + "\n")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, parse
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
-from gaitsmith.cli.run_folder import check_new_folder, new_folder
+from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_folder, write_summary
 from gaitsmith.documents import About
-from gaitsmith.errors import BadInput
-from gaitsmith.files import uninterrupted
+from gaitsmith.errors import BadInput, GaitsmithError
+from gaitsmith.files import uninterrupted, write_text_atomic
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ class _Walk(Arguments):
     ] = None
     out: Annotated[
         str | None,
-        About("New folder for log.mcap, summary.json, scenario.toml and the figures", metavar="DIR", absent="none"),
+        About("New folder for log.mcap, which grows as it goes, summary and figures", metavar="DIR", absent="none"),
     ] = None
     no_figures: Annotated[bool, About("Write no figures")] = False
 
@@ -49,11 +51,13 @@ def walk(words: list[str], program: str) -> Outcome:
     arguments = parse(WalkArguments, words, program)
     folder = check_new_folder(arguments.out) if arguments.out is not None else None
     scenario = scenario_from(arguments)
-    simulation, episode = _run(scenario, arguments)
+    simulation, episode = _run(scenario, arguments, folder)
     with uninterrupted():
-        if folder is not None:
-            _write(folder, simulation, episode, figures=not arguments.no_figures)
         summary = episode.summary
+        if folder is not None:
+            write_summary(folder, summary)
+            if not arguments.no_figures:
+                _draw(folder, simulation)
         code = INTERRUPTED if episode.interrupted else FELL if summary.fell else DONE
         document = summary.model_dump(mode="json") | {"out": str(folder) if folder else None}
 
@@ -94,44 +98,50 @@ def _renamed(error: BadInput, arguments: _Walk) -> BadInput:
     return error.within(arguments.scenario)
 
 
-def _run(scenario: Scenario, arguments: _Walk) -> tuple[Simulation, Episode]:
-    """Load everything, then run, with progress on stderr if that is a terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
+def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Simulation, Episode]:
+    """Load everything, then run, with progress on stderr if that is a terminal; what a run has done is never lost."""
+    from gaitsmith.cli.display import Display
+    from gaitsmith.cli.scenario_file import scenario_toml
     from gaitsmith.simulation import Simulation
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[done]}"), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("loading (the first time compiles)", total=None, done="")
+    simulation = None
+    made = None if folder is None else RunFolder(folder)
+    with Display("loading (the first time compiles)") as display:
         try:
-            simulation = Simulation(scenario, record=arguments.out is not None)
-        except BadInput as error:
-            raise _renamed(error, arguments) from None
-        progress.reset(task, total=scenario.duration, description=f"walking {simulation.robot.card.name}")
+            simulation = Simulation(scenario, record=made.log if made else False)
+            if made is not None:
+                write_text_atomic(made.path / "scenario.toml", scenario_toml(_portable(scenario)))
+            name, end = f"walking {simulation.robot.card.name}", scenario.duration
+            tell = lambda time: display.show(name, f"{time:.1f} of {end:g} s", time, end)  # noqa: E731
+            return simulation, simulation.run(tell)
+        except BaseException as error:
+            with uninterrupted():
+                if made is not None and (simulation is None or simulation.tick == 0):
+                    made.discard()
+                elif made is not None and simulation is not None and isinstance(error, GaitsmithError):
+                    with contextlib.suppress(BadInput):
+                        write_summary(made.path, simulation.summary())
+            if isinstance(error, BadInput) and simulation is None:
+                raise _renamed(error, arguments) from None
+            raise
 
-        def advance(time: float) -> None:
-            progress.update(task, completed=time, done=f"{time:.1f} of {scenario.duration:g} s")
 
-        return simulation, simulation.run(advance)
+def _draw(folder: Path, simulation: Simulation) -> None:
+    """Draw what the log has to show; a figure that cannot be drawn or written takes nothing else with it."""
+    from gaitsmith.log import read_log
 
+    try:
+        log = read_log(folder / LOG, last=FIGURE_ROWS)
+        if len(log.rows) < 2:
+            return
+        logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
+        from gaitsmith.view import recording_of, write_figures
 
-def _write(folder: Path, simulation: Simulation, episode: Episode, figures: bool) -> None:
-    """Write log, summary, scenario and figures; the folder appears when all of them are there."""
-    from gaitsmith.cli.scenario_file import scenario_toml
-    from gaitsmith.files import write_text_atomic
-
-    with new_folder(folder) as staging:
-        if episode.log is not None:
-            episode.log.write(staging / "log.mcap")
-        write_text_atomic(staging / "summary.json", episode.summary.model_dump_json(indent=2) + "\n")
-        write_text_atomic(staging / "scenario.toml", scenario_toml(_portable(simulation.scenario)))
-        if figures and episode.log is not None and len(episode.log.rows) > 1:
-            logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
-            from gaitsmith.view import recording_of, write_figures
-
-            write_figures(recording_of(episode.log, simulation.robot, simulation.tick_us), staging)
+        if len(log.rows) == FIGURE_ROWS and log.time[0] > 1.0:
+            warnings.warn(f"the figures show the run from {log.time[0]:.0f} s on; the log has all of it", stacklevel=2)
+        write_figures(recording_of(log, simulation.robot, simulation.wall_times.histogram()), folder)
+    except (GaitsmithError, OSError, MemoryError) as error:
+        warnings.warn(f"figures: {error}; log and summary are in {folder}", stacklevel=2)
 
 
 def _portable(scenario: Scenario) -> Scenario:

@@ -176,7 +176,9 @@ class ChunkWriter:
             (Opcode.METADATA_INDEX, [notes]),
         ):
             parts.append(_packed(*members))
-            groups.append(mcap.SummaryOffset(group_opcode=opcode, group_start=begin + size, group_length=len(parts[-1])))
+            groups.append(
+                mcap.SummaryOffset(group_opcode=opcode, group_start=begin + size, group_length=len(parts[-1]))
+            )
             size += len(parts[-1])
         summary = b"".join(parts) + _packed(*groups)
         places = {"summary_start": begin, "summary_offset_start": begin + size}

@@ -22,7 +22,7 @@ from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.fall import Fall, explain
-from gaitsmith.simulation.loop import Commands, Loop, Order, Script
+from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.plant import Plant
@@ -64,7 +64,8 @@ class Simulation:
         scenario: what to run.
         robot: instead of loading the scenario's.
         controller: instead of making one from the scenario; it is reset.
-        record: whether to keep a log, in a temporary file; or the path of a new file to keep it in.
+        record: whether to keep a log, in a temporary file; or the path of a new file, or what opens one, unbuffered,
+            once everything else is right.
         commands: instead of the scenario's walk, changes and rest.
 
     Attributes:
@@ -83,7 +84,7 @@ class Simulation:
         *,
         robot: Robot | None = None,
         controller: Controller | None = None,
-        record: bool | str | Path = True,
+        record: bool | str | Path | Callable[[], BinaryIO] = True,
         commands: Commands | None = None,
     ) -> None:
         self.scenario = scenario
@@ -121,7 +122,7 @@ class Simulation:
         self._disturber = Disturber(scenario.pushes, self.plant, self._columns, self._tell)
         self._file = _new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
-        observers = [self._monitor, *([self._recorder] if self._recorder else []), self._disturber]
+        observers: list[Observer] = [self._monitor, *([self._recorder] if self._recorder else []), self._disturber]
         self.loop = Loop(self.plant, self.controller, commands or Script(_orders(scenario), step), observers)
         self._wall, self._memory = 0.0, resident_mb()
         self.interrupted = False
@@ -274,14 +275,18 @@ def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
     return orders
 
 
-def _new_file(record: bool | str | Path) -> BinaryIO:
+def _new_file(record: bool | str | Path | Callable[[], BinaryIO]) -> BinaryIO:
     """A file for the log, readable too."""
+    if callable(record):
+        return record()
     try:
         if record is True:
-            return tempfile.TemporaryFile(buffering=0)  # type: ignore[return-value]
-        return open(record, "x+b", buffering=0)  # type: ignore[arg-type,return-value]
+            return tempfile.TemporaryFile(buffering=0)
+        return open(record, "x+b", buffering=0)
     except OSError as error:
-        raise BadInput(str(record), (error.strerror or "").lower(), "a new file in a folder that can be written") from None
+        raise BadInput(
+            str(record), (error.strerror or "").lower(), "a new file in a folder that can be written"
+        ) from None
 
 
 def _read_back(file: BinaryIO) -> Log:
@@ -300,7 +305,7 @@ def run_episode(
     robot: Robot | None = None,
     controller: Controller | None = None,
     progress: Progress | None = None,
-    record: bool | str | Path = True,
+    record: bool | str | Path | Callable[[], BinaryIO] = True,
 ) -> Episode:
     """Run a scenario from beginning to end; see :class:`Simulation` and :class:`Episode`.
 

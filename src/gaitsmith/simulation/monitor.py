@@ -10,8 +10,17 @@ import numpy.typing as npt
 
 from gaitsmith.compiled import Arena, IntVector, Vector, bind, kernel
 from gaitsmith.robots.parameters import at_rest, gait_numbers
-from gaitsmith.simulation.limits import Bounds, Hits, Seen, find_hits, is_saturated, make_bounds, make_hits, remember_hits
-from gaitsmith.simulation.summary import SCORED, Span, Stage, StageCommand, Window, measure_stage
+from gaitsmith.simulation.limits import (
+    Bounds,
+    Hits,
+    Seen,
+    find_hits,
+    is_saturated,
+    make_bounds,
+    make_hits,
+    remember_hits,
+)
+from gaitsmith.simulation.summary import SCORED, Signals, Span, Stage, StageCommand, measure_stage
 from gaitsmith.simulation.truth import Truth, truth_columns
 
 if TYPE_CHECKING:
@@ -34,17 +43,9 @@ _COMMANDED = {"period": "command.period", "height": "command.height", "yaw_rate"
 
 
 class Ring(NamedTuple):
-    """The last ticks, row ``tick % n``: CoM velocity (m/s), hip above the stance sole (m), roll, pitch, heading (rad).
+    """Signals of the last ticks, row ``tick % n``; and a ring over steps: when one began, and its stance leg."""
 
-    ``touchdown`` and ``leg`` are a ring over steps: the tick at which one began and its stance leg.
-    """
-
-    speed_x: Vector
-    speed_y: Vector
-    height: Vector
-    roll: Vector
-    pitch: Vector
-    heading: Vector
+    signals: Signals
     touchdown: IntVector
     leg: IntVector
 
@@ -57,7 +58,7 @@ class Range(NamedTuple):
 
 
 class StageTotals(NamedTuple):
-    """What counts over the present stage: ranges of roll and pitch (rad), heading at its beginning and turn commanded."""
+    """Over the present stage: ranges of roll and pitch, heading at its beginning, turn commanded since; rad."""
 
     roll: Range
     pitch: Range
@@ -150,7 +151,7 @@ def _watch_joints(seen: Seen, bounds: Bounds, kept: Kept) -> None:
 @kernel
 def _keep_vitals(seen: Seen, bounds: Bounds, kept: Kept, stance: int) -> None:
     """One tick of an upright robot into the ring and the stage."""
-    ring, tick, yaw = kept.ring, kept.ticks[0], seen.attitude[2]
+    ring, tick, yaw = kept.ring.signals, kept.ticks[0], seen.attitude[2]
     first = kept.upright[0] == 0
     turn = 0.0 if first else (yaw - kept.yaw[0] + 0.5 * _TURN) % _TURN - 0.5 * _TURN
     kept.heading[0] = yaw if first else kept.heading[0] + turn
@@ -293,13 +294,14 @@ class Monitor:
         kept, last = self.kept, int(self.kept.upright[0])
         gait = at_rest(self._gait) if self._rest else self._gait
         command = StageCommand.model_validate({key: value for key, _, value in gait_numbers(gait, keys=True)})
-        first = max(0, last - len(kept.ring.height))
-        at = np.arange(first, last) % len(kept.ring.height)
-        window = Window(first, *(signal[at] for signal in kept.ring[: len(Window._fields) - 1]))
+        size = len(kept.ring.signals.height)
+        first = max(0, last - size)
+        at = np.arange(first, last) % size
+        signals = Signals(*(signal[at] for signal in kept.ring.signals))
         span = Span(self._began, last, self._rest, command)
         turned = kept.heading[0] - kept.stage.heading[0] - kept.stage.commanded[0]
         ranges = [(float(span.low[0]), float(span.high[0])) for span in (kept.stage.roll, kept.stage.pitch)]
-        return measure_stage(span, window, self.touchdowns(), ranges[0], ranges[1], float(turned), self.dt)
+        return measure_stage(span, first, signals, self.touchdowns(), ranges[0], ranges[1], float(turned), self.dt)
 
 
 def _views(columns: Columns, prefix: str, legs: list[str]) -> Seen:
@@ -332,7 +334,7 @@ def _blank(nj: int, hits: Hits, length: int) -> Kept:
         return np.zeros(size, dtype=np.int64)
 
     return Kept(
-        ring=Ring(*(np.zeros(length) for _ in range(6)), whole(_TOUCHDOWNS), whole(_TOUCHDOWNS)),
+        ring=Ring(Signals(*(np.zeros(length) for _ in Signals._fields)), whole(_TOUCHDOWNS), whole(_TOUCHDOWNS)),
         stage=StageTotals(_range(), _range(), np.full(1, np.nan), np.zeros(1)),
         joints=Joints(*(np.zeros(nj) for _ in Joints._fields)),
         hits=hits,

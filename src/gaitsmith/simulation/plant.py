@@ -94,9 +94,7 @@ class Plant:
         self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
         self._data = mujoco.MjData(self._model)
         self.balls = tuple(
-            BallState(
-                self._data.qpos[robot.model.nq + 7 * k :][:3], self._data.qvel[robot.model.nv + 6 * k :][:3]
-            )
+            BallState(self._data.qpos[robot.model.nq + 7 * k :][:3], self._data.qvel[robot.model.nv + 6 * k :][:3])
             for k in range(len(props))
         )
         if mass_factor != 1.0 or mass_spread != 0.0:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, create_model
 
+from gaitsmith.compiled import Vector
 from gaitsmith.robots.parameters import GAIT_INPUTS
 
 SCORED = 2.0  # s at the end of a stage over which means are taken
@@ -220,21 +221,21 @@ def _range_deg(span: tuple[float, float] | Array) -> tuple[float, float]:
     return float(np.degrees(np.min(span))), float(np.degrees(np.max(span)))
 
 
-class Window(NamedTuple):
-    """The last ticks of a run: the first tick, then (n,) CoM velocity, height, roll, pitch and heading."""
+class Signals(NamedTuple):
+    """What stages are measured by, over ticks: CoM velocity (m/s), hip above the stance sole (m), angles (rad)."""
 
-    first: int
-    speed_x: Array
-    speed_y: Array
-    height: Array
-    roll: Array
-    pitch: Array
-    heading: Array
+    speed_x: Vector
+    speed_y: Vector
+    height: Vector
+    roll: Vector
+    pitch: Vector
+    heading: Vector
 
 
 def measure_stage(
     span: Span,
-    window: Window,
+    start: int,
+    signals: Signals,
     touchdowns: npt.NDArray[np.int64],
     roll: tuple[float, float],
     pitch: tuple[float, float],
@@ -245,7 +246,8 @@ def measure_stage(
 
     Args:
         span: of the stage.
-        window: the ticks up to the stage's end, at least the last 2 s of it.
+        start: tick of the first row of the signals.
+        signals: up to the stage's end, at least the last 2 s of it.
         touchdowns: (m, 2) tick and new stance leg, at least those in the last 2 s.
         roll: lowest and highest over the stage, rad.
         pitch: the same.
@@ -254,13 +256,13 @@ def measure_stage(
     """
     first, last, rest, command = span
     begin, end = max(first, last - round(SCORED / control_step)), last
-    settled = slice(begin - window.first, end - window.first)
+    settled = slice(begin - start, end - start)
     if not rest:
         begin, end = scored_window(first, last, touchdowns, control_step)
-    scored = slice(begin - window.first, end - window.first)
-    vx, vy, height = (float(np.mean(signal[scored])) for signal in (window.speed_x, window.speed_y, window.height))
-    before = max(begin - 1, window.first, 0)
-    turn = float(window.heading[end - 1 - window.first] - window.heading[before - window.first])
+    scored = slice(begin - start, end - start)
+    vx, vy, height = (float(np.mean(signal[scored])) for signal in (signals.speed_x, signals.speed_y, signals.height))
+    before = max(begin - 1, start, 0)
+    turn = float(signals.heading[end - 1 - start] - signals.heading[before - start])
     yaw_rate = turn / (max(end - 1 - before, 1) * control_step)
     return Stage(
         t0=first * control_step,
@@ -279,6 +281,6 @@ def measure_stage(
         heading_drift_deg=float(np.degrees(turned)),
         roll_deg=_range_deg(roll),
         pitch_deg=_range_deg(pitch),
-        settled_roll_deg=_range_deg(window.roll[settled]),
-        settled_pitch_deg=_range_deg(window.pitch[settled]),
+        settled_roll_deg=_range_deg(signals.roll[settled]),
+        settled_pitch_deg=_range_deg(signals.pitch[settled]),
     )

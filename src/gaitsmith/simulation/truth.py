@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -91,7 +91,7 @@ class World(NamedTuple):
 
 
 class Geometry(NamedTuple):
-    """Constants of the robot: body ids, sole frames, torque limits, sizes and addresses of the sparse inertia matrix."""
+    """Constants of the robot: body ids, sizes, sole frames, torque limits, addresses in the sparse inertia matrix."""
 
     torso: int
     nq: int

@@ -64,7 +64,8 @@ class Recording:
         sole_position: (n, 6) left and right sole frame, world, m.
         torso_position: (n, 2) world, m.
         zmp: (n, 4) planned, x and y in the left and the right sole frame, m.
-        tick_us: duration of the control ticks, µs; may be empty.
+        tick_us: durations of control ticks, µs, from short to long; may be empty.
+        tick_counts: how many ticks took so long.
         legs: left and right.
     """
 
@@ -89,6 +90,7 @@ class Recording:
     torso_position: Array
     zmp: Array
     tick_us: Array
+    tick_counts: npt.NDArray[np.int64]
     legs: tuple[LegTrace, LegTrace]
 
     def stages(self) -> list[Stage]:

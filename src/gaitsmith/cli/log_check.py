@@ -1,0 +1,91 @@
+"""``gaitsmith log check``: what a run has recorded, and the repair of what a killed one left."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from pathlib import Path
+from typing import Annotated, Any
+
+from gaitsmith.cli.arguments import Arguments, Positional, parse
+from gaitsmith.cli.dispatch import DONE, Outcome
+from gaitsmith.cli.run_folder import LOG, SUMMARY, write_summary
+from gaitsmith.documents import About
+from gaitsmith.errors import BadInput
+from gaitsmith.files import lock, open_regular
+
+
+class CheckArguments(Arguments):
+    """Read the log of a run to its end. After a run that was killed, finish the log and write the summary from it.
+
+    Only what stands behind the last whole chunk, about a second of the run, is lost.
+    """
+
+    run: Annotated[str, Positional("Folder of a run, or a log file", metavar="RUN")]
+    no_repair: Annotated[bool, About("Look only; change nothing")] = False
+
+
+def check(words: list[str], program: str) -> Outcome:
+    """Run the command.
+
+    Raises:
+        BadInput: the command line, no log there, not a log, or the folder cannot be written.
+    """
+    arguments = parse(CheckArguments, words, program)
+    path = Path(arguments.run)
+    path = path / LOG if path.is_dir() else path
+    from gaitsmith.simulation.recovery import summary_of, survey
+
+    with open_regular(path) as file:
+        running = not lock(file)
+        found = survey(file, str(path))
+        repaired = []
+        if not arguments.no_repair and not running:
+            if not found.complete:
+                _finish(path)
+                repaired.append(LOG)
+            folder = path.parent
+            if path.name == LOG and found.rows and not (folder / SUMMARY).exists():
+                write_summary(folder, summary_of(path))
+                repaired.append(SUMMARY)
+    document: dict[str, Any] = {
+        "run": arguments.run,
+        "rows": found.rows,
+        "last_time": found.last_time,
+        "complete": found.complete,
+        "repaired": bool(repaired),
+        "written": repaired,
+        "running": running,
+    }
+
+    def show() -> None:
+        from gaitsmith.cli.printing import Printer
+
+        state = "complete" if found.complete else "still being written" if running else "cut short"
+        console = Printer()
+        console.print(f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}", soft_wrap=True)
+        if repaired:
+            console.print("written anew: " + ", ".join(repaired))
+
+    return Outcome(DONE, document, show)
+
+
+def _finish(path: Path) -> None:
+    """Put a complete log in the place of one that was cut.
+
+    Raises:
+        BadInput: the folder cannot be written.
+    """
+    from gaitsmith.simulation.recovery import survey
+
+    temporary = path.with_name(f".{path.name[:100]}.{secrets.token_hex(6)}.part")
+    try:
+        with open(temporary, "xb", buffering=0) as copy, open_regular(path) as file:
+            survey(file, str(path), copy)
+            os.fsync(copy.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise BadInput(str(path), reason, "a folder with room for another copy of the log") from None
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,114 @@
+"""What a killed run left: its log made whole, and its summary from the log."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from gaitsmith.errors import BadInput
+from gaitsmith.log.columns import Columns
+from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, message_rows
+from gaitsmith.robots import load_robot
+from gaitsmith.simulation.fall import Fall, explain
+from gaitsmith.simulation.monitor import UPRIGHT, Monitor
+from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
+from gaitsmith.simulation.scenario import make_scenario
+from gaitsmith.simulation.summary import LogCounts, Summary
+from gaitsmith.simulation.wall_time import WallTimes
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a log holds: rows, time of the last one (s), and whether it was finished."""
+
+    rows: int
+    last_time: float
+    complete: bool
+
+
+def survey(file: BinaryIO, source: str, copy: BinaryIO | None = None) -> Found:
+    """Read a log from its beginning to where it was cut.
+
+    Args:
+        file: the log, at its beginning.
+        source: its name in errors.
+        copy: receives what is whole, as a complete log.
+
+    Raises:
+        BadInput: not a log, or one from a newer version.
+        OSError: ``copy`` takes no more.
+    """
+    reader = ChunkReader(file, source)
+    writer = ChunkWriter(copy, reader.head) if copy is not None else None
+    rows, last = 0, 0.0
+    for block in reader:
+        if writer is not None:
+            messages = message_rows(len(reader.head.columns), len(block))
+            messages["row"] = block
+            writer.write(messages, reader.events)
+            reader.events.clear()
+        rows, last = rows + len(block), float(block[-1, 0])
+    if writer is not None:
+        writer.finish()
+    return Found(rows, last, reader.complete)
+
+
+def summary_of(path: Path) -> Summary:
+    """The summary of a run from its log: what the run's own would be, seen only at every row; no wall times.
+
+    Raises:
+        BadInput: not a log of a run, or its robot cannot be loaded.
+    """
+    with open(path, "rb") as file:
+        reader = ChunkReader(file, str(path))
+        notes, columns = reader.head.notes, reader.head.columns
+        try:
+            scenario = make_scenario(notes["scenario"], f"{path.name}: ")
+            dt, gait = float(notes["control_step"]) * reader.head.decimation, dict(notes["gait"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise BadInput(str(path), f"notes without {error}", "the log of a run of gaitsmith walk") from None
+        robot = load_robot(scenario.robot)
+        row = np.zeros(len(columns))
+        seen = Columns((columns, row))
+        monitor = Monitor(robot, robot.card.presets[scenario.preset], seen, dt, gait)
+        waiting, rows, fall, started = deque(reader.events), 0, None, [None] * len(scenario.pushes)
+        for block in reader:
+            waiting.extend(reader.events)
+            reader.events.clear()
+            for values in block:
+                row[:] = values
+                while waiting and waiting[0]["time"] < row[0]:
+                    event = waiting.popleft()
+                    monitor.hear(event)
+                    if "push" in event and not event.get("over"):
+                        started[event["push"]] = event["time"]
+                monitor.observe(rows)
+                rows += 1
+        fall = _fall(monitor, seen, float(row[0]))
+    changed = robot.content_hash != notes.get("robot_hash")
+    return sum_up(
+        scenario,
+        robot,
+        monitor,
+        seen,
+        time=float(row[0]),
+        fall=fall,
+        interrupted=True,
+        tick_us=WallTimes(dt).summary(),
+        realtime_factor=0.0,
+        pushes=tuple(started),
+        warnings=("the robot's files have changed since the run",) if changed else (),
+        memory=None,
+        log=LogCounts(rows=rows, dropped=reader.head.dropped, complete=reader.complete),
+    )
+
+
+def _fall(monitor: Monitor, seen: Columns, time: float) -> Fall | None:
+    """The fall, if the last row shows one."""
+    if monitor.state == UPRIGHT:
+        return None
+    return explain(monitor, time, phase_in_words(seen), refused_readings(seen))
