@@ -184,13 +184,13 @@ def test_an_unknown_preset_names_the_known_ones():
         check_scenario(Scenario(preset="best"), robot())
 
 
-@pytest.mark.parametrize("value", [0.0, 1e9])
-def test_a_number_out_of_range_is_told_both_bounds(value):
-    assert _refusal({"duration": value}).endswith("expected a finite number above 0 up to 3600")
+@pytest.mark.parametrize("value", [0.0, math.inf])
+def test_a_number_out_of_range_is_told_its_bound(value):
+    assert _refusal({"duration": value}).endswith("expected a finite number above 0")
 
 
-def test_both_bounds_also_below_the_top():
-    assert _refusal({"changes": [{"time": -1.0, "speed": 0.1}]}).endswith("expected a finite number from 0 to 3600")
+def test_the_bound_is_told_below_the_top_too():
+    assert _refusal({"changes": [{"time": -1.0, "speed": 0.1}]}).endswith("expected a finite number from 0")
 
 
 def test_what_is_missing_or_nested_too_deeply_is_told_in_our_own_words():

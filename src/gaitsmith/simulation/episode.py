@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import io
 import math
+import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -17,7 +19,7 @@ from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.log.columns import Columns
-from gaitsmith.log.record import DECIMATION, Log, Recorder, read_stream
+from gaitsmith.log.record import DECIMATION, Log, Recorder, read_log, read_stream
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.disturbances import Disturber
@@ -222,8 +224,10 @@ class Simulation:
         return Episode(self.summary(), self._file, self.interrupted)
 
     def _close(self) -> None:
-        if self._recorder is not None:
+        if self._recorder is not None and self._file is not None:
             self._recorder.close()
+            if not isinstance(self._file, _Scratch):
+                self._file.close()
 
     @contextlib.contextmanager
     def _timed(self) -> Iterator[None]:
@@ -275,13 +279,22 @@ def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
     return orders
 
 
+class _Scratch(io.FileIO):
+    """A file without a name that goes with its last user."""
+
+    def __del__(self) -> None:
+        self.close()
+
+
 def _new_file(record: bool | str | Path | Callable[[], BinaryIO]) -> BinaryIO:
     """A file for the log, readable too."""
     if callable(record):
         return record()
     try:
         if record is True:
-            return tempfile.TemporaryFile(buffering=0)
+            handle, name = tempfile.mkstemp(prefix="gaitsmith.")
+            os.unlink(name)
+            return _Scratch(handle, "r+b")
         return open(record, "x+b", buffering=0)
     except OSError as error:
         raise BadInput(
@@ -290,7 +303,9 @@ def _new_file(record: bool | str | Path | Callable[[], BinaryIO]) -> BinaryIO:
 
 
 def _read_back(file: BinaryIO) -> Log:
-    """The rows in a file that stays open, for more to come."""
+    """The rows in a file that is closed and has a name, or stays open for more to come."""
+    if file.closed:
+        return read_log(file.name)
     place = file.tell()
     file.seek(0)
     try:
