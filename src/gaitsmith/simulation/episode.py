@@ -96,9 +96,10 @@ class Simulation:
         self.controller = controller or Controller(
             self.robot, preset=scenario.preset, state=scenario.state, gait=self._gait
         )
-        if self.controller.state != scenario.state:
+        state = "estimated" if self.controller.estimated else "true"
+        if state != scenario.state:
             remedy = "make both alike: the scenario says what the plant's sensors give"
-            raise BadInput("controller.state", self.controller.state, f"{scenario.state}, the scenario's", remedy)
+            raise BadInput("controller's state", state, f"{scenario.state}, the scenario's", remedy)
         self.plant = Plant(
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),

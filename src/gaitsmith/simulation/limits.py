@@ -9,7 +9,7 @@ import numpy as np
 
 from gaitsmith.compiled import IntVector, Vector, kernel
 from gaitsmith.robots import Robot
-from gaitsmith.robots.parameters import ControlParameters
+from gaitsmith.robots.presets import ControlParameters
 
 _SATURATED = 0.999  # of the limit
 _EDGE = 1e-3  # m within which the ZMP or a foothold counts as on its bound

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from gaitsmith.log.columns import Columns
     from gaitsmith.robots import Robot
-    from gaitsmith.robots.parameters import ControlParameters
+    from gaitsmith.robots.presets import ControlParameters
 
 UPRIGHT, TILTED, SANK, TOUCHED, DIVERGED = range(5)
 """What :attr:`Monitor.state` can be; all but the first are falls."""

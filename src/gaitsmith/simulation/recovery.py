@@ -9,6 +9,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.errors import BadInput
 from gaitsmith.log.columns import Columns
 from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, message_rows
@@ -74,7 +75,7 @@ def summary_of(path: Path) -> Summary:
         robot = load_robot(scenario.robot)
         row = np.zeros(len(columns))
         seen = Columns((columns, row))
-        monitor = Monitor(robot, robot.card.presets[scenario.preset], seen, dt, gait)
+        monitor = Monitor(robot, preset_parameters(robot, robot_scale(robot), scenario.preset), seen, dt, gait)
         waiting, rows, fall, started = deque(reader.events), 0, None, [None] * len(scenario.pushes)
         for block in reader:
             waiting.extend(reader.events)

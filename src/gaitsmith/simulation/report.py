@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.control.state import STATE_NAMES
 from gaitsmith.log.columns import Columns
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.fall import Fall
@@ -28,8 +29,9 @@ def refused_readings(columns: Columns) -> dict[str, int]:
 def phase_in_words(columns: Columns) -> str:
     """Stance leg and share of the step."""
     mode, stance, period = _last(columns, "mode"), int(_last(columns, "stance")), _last(columns, "command.period")
-    if mode == 1.0 and stance < 2 and period > 0.0:
-        return f"{('left', 'right')[stance]} stance, {100.0 * _last(columns, 'step_time') / period:.0f} % of the step"
+    legs = columns.labels("sole_force")
+    if mode == 1.0 and stance < len(legs) and period > 0.0:
+        return f"{legs[stance]} stance, {100.0 * _last(columns, 'step_time') / period:.0f} % of the step"
     return "standing"
 
 
@@ -99,7 +101,7 @@ def sum_up(
         torque_step_max=per_joint(joints.torque_step),
         velocity_peak=per_joint(joints.velocity_peak),
         velocity_over=per_joint(joints.velocity_over / shares),
-        control_state="walking" if _last(columns, "mode") == 1.0 else "standing",
+        control_state=STATE_NAMES[int(_last(columns, "control_state"))],
         refused=refused_readings(columns),
         qp=QpCounts(
             solves=int(_last(columns, "qp_solves")),
