@@ -33,7 +33,7 @@ def power_basis(degree: int, t: npt.ArrayLike, derivative: int = 0) -> Array:
 
 
 def polynomial(coefficients: Array, s: Array, span: float) -> Array:
-    """(3, n, N) values and two derivatives with respect to time of polynomials in powers of s, as eq. (17) of Xie 2023.
+    """(3, n, N) values and two derivatives in time of polynomials in powers of s: eq. (17) of the second paper.
 
     Args:
         coefficients: (n, degree + 1) of 1, s, s² ...

@@ -81,7 +81,7 @@ def gait_rows(gait: Gait, robot: Robot, rate: float, steps: int = 1, report: _Re
         robot: the robot that it was planned for.
         rate: Hz.
         steps: of a cyclic gait.
-        report: told the number of rows done, and of all.
+        report: called with the number of rows done, and of all.
 
     Raises:
         BadInput: a rate that is not positive or gives more than twenty million numbers, or too many steps.

@@ -1,4 +1,4 @@
-"""What the planner may be told besides the motion: bounds, weights, and the order of the splines."""
+"""Settings of the planner besides the motion: bounds, weights, the order of the splines, limits of the solver."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Bounds(Parameters):
 
 
 class Settings(Parameters):
-    """How a motion is transcribed and solved.
+    """Transcription and solution of a motion.
 
     Attributes:
         order: degree of the joint splines: 4 as in the paper, or 5 (quintic).

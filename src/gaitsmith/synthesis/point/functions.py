@@ -89,7 +89,7 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
 
     Args:
         biped: the robot as the planner sees it.
-        notify: told once when something slow happens (compiling, or no compiler, or no place for what it makes).
+        notify: called once before a slow operation (compiling, or working without a compiler or a cache).
 
     Raises:
         CacheRefused: the cache folder is not the owner's alone.

@@ -39,7 +39,7 @@ def find_compiler() -> str | None:
 def point_library(biped: Biped, tell: Callable[[str], None]) -> tuple[list[Any] | None, float]:
     """The functions of a point from the cache or the compiler, and the time spent compiling, s.
 
-    None where there is no compiler, where it fails, or where what it makes cannot be kept; `tell` hears why.
+    None without a compiler, if it fails, or if its output cannot be kept; `tell` is called with the reason.
 
     Raises:
         CacheRefused: the cache folder is not the owner's alone.

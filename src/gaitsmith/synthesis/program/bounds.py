@@ -61,7 +61,7 @@ class PhaseBound:
     twin: str = ""
 
     def shown(self, value: float) -> float:
-        """A value as reports tell it: the angle where the form is a sine."""
+        """A value as reports show it: the angle where the form is a sine."""
         return shown(value, self.sine)
 
     def offset(self, s: Array) -> Array | float:

@@ -179,7 +179,7 @@ def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, in
         gait: the gait.
         robot: the robot that it was planned for.
         dense: instants a phase.
-        report: told the number of phases done, and of all.
+        report: called with the number of phases done, and of all.
     """
     with np.errstate(divide="ignore", invalid="ignore"):  # what is not a number becomes a problem of the verdict
         return _verified(gait, robot, dense, report)

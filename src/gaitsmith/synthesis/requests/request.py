@@ -127,7 +127,7 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     Args:
         planner: for the robot.
         request: what to plan.
-        report: told the motion's name, the round and the progress at every iteration.
+        report: called at every iteration with the motion's name, the round and the progress.
 
     Raises:
         BadInput: numbers that cannot be used.

@@ -96,7 +96,7 @@ def sweep(robot: str, jobs: int = 1, report: Callable[[int, int], None] | None =
     Args:
         robot: name or path.
         jobs: processes.
-        report: told the cells done, and of all.
+        report: called with the number of cells done, and of all.
 
     Raises:
         BadInput: the robot cannot be planned for.

@@ -1,9 +1,9 @@
-"""The quadratic program of an SQP step, started from a good guess of the bounds that will be met.
+"""The quadratic program of an SQP step, started from a good guess of the active set.
 
 min ½ dᵀHd + gᵀd subject to A d = b and low <= J d <= high. The splines make H and the rows banded in time. Equalities
-and the bounds that are surely met are therefore held by one sparse factorisation of the optimality conditions; the few
-bounds in doubt (met against the guess, or let go of) make a small dense quadratic program on top of it. Doubts only
-grow in number, so that the method ends.
+and the surely active bounds are therefore held by one sparse factorisation of the optimality conditions. The few
+doubtful bounds, at which the guess proves wrong, make a small dense quadratic program on top of it. The doubtful set
+only grows, so the iteration terminates.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 _SOFT = 1e-10  # of a row per unit of its multiplier: rows that depend on others do not make the matrix singular
 _BEYOND = 1e-8  # of a row's range; what counts as beyond a bound
-_RIDGE = 1e-9  # relative; bounds in doubt that depend on each other
+_RIDGE = 1e-9  # relative; doubtful bounds that depend on each other
 _TRIFLE = 1e-9  # share of the largest multiplier
 _ROUNDS = 12
 _DOUBTS = 300
@@ -34,7 +34,7 @@ class ActiveStep:
     Attributes:
         step: (n,) change of the unknowns.
         multipliers: (rows,) of equalities and bounds; positive at an upper bound.
-        held: (k,) rows that hold with equality; those in doubt to about 1e-6.
+        held: (k,) rows that hold with equality; doubtful ones to about 1e-6.
         H, jacobian: of the program.
     """
 
@@ -114,7 +114,7 @@ def active_set_step(
             found = base - pushes @ weights
             lam = np.zeros(len(low))
             lam[held] = found[n:]
-            # Bounds to let go of come first: held against their will they push the step beyond many others.
+            # Bounds held with a multiplier of the wrong sign come first: they push the step beyond many others.
             wrong = np.flatnonzero(side * lam < 0.0)
             change = jacobian @ found[:n]
             free = ~equal & (side == 0)
@@ -138,7 +138,7 @@ def active_set_step(
 
 
 def _small(rows: sp.csr_matrix, pushes: Array, base: Array, turn: Array, low: Array, high: Array) -> Array | None:
-    """Multipliers (j,) at least 0 of the rows in doubt, by DAQP; None if H curves downwards along one of them."""
+    """Multipliers (j,) at least 0 of the doubtful rows, by DAQP; None if H curves downwards along one of them."""
     count = len(turn)
     if count == 0:
         return np.zeros(0)

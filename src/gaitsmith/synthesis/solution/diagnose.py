@@ -65,7 +65,7 @@ def explain(trans: Transcription, program: Program, found: Solution, late: bool)
 
 
 def _pair(label: Label, value: float, limit: float) -> str:
-    """A value beside its limit; what is measured from its limit is told as such."""
+    """A value beside its limit; "beyond its limit" where the value is measured from there."""
     if limit == 0.0:
         return f"{label.name} {abs(value):.3g} {label.unit} beyond its limit"
     digits = 3 if f"{value:.3g}" != f"{limit:.3g}" else 7

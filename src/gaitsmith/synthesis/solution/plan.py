@@ -113,7 +113,7 @@ class Planner:
     def __init__(self, robot: Robot, notify: Callable[[str], None] | None = None) -> None:
         self.biped: Biped = biped_from(robot)
         self.functions: PointFunctions = point_functions(self.biped, notify)
-        self._compile_s = self.functions.compile_s  # told once, by the first plan
+        self._compile_s = self.functions.compile_s  # reported once, by the first plan
 
     def plan(
         self,
@@ -231,7 +231,7 @@ class Planner:
         far: bool,
         tell: Callable[[Progress], None] | None,
     ) -> tuple[Solution, int]:
-        """Warm from the last solution if there is one, else cold; how often a warm start had to give way to a cold one.
+        """Warm from the last solution if there is one, else cold; and how often a warm start failed.
 
         ``far``: from no usual start.
         """
