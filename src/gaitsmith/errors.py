@@ -27,8 +27,8 @@ class BadInput(GaitsmithError):
         self.value = value
         self.valid = valid
         self.remedy = remedy
-        message = f"{_cut(field, 200)}: got {_shown(value)}, expected {_cut(valid, 320)}"
-        super().__init__(" ".join((message + (f"; {_cut(remedy, 200)}" if remedy else "")).split()))
+        message = f"{_cut(field, 160)}: got {_shown(value)}, expected {_cut(valid, 320)}"
+        super().__init__(" ".join((message + (f"; {_cut(remedy, 120)}" if remedy else "")).split()))
 
     def within(self, source: str) -> BadInput:
         """The same error, its field found in a source, such as a file; an empty source changes nothing."""
@@ -52,7 +52,9 @@ def _shown(value: object) -> str:
 
 
 def _cut(text: str, most: int) -> str:
-    return text if len(text) <= most else text[: most - 3] + "..."
+    """The text, its middle left out where it is too long."""
+    half = (most - 3) // 2
+    return text if len(text) <= most else f"{text[:half]}...{text[-half:]}"
 
 
 class CacheRefused(GaitsmithError):
