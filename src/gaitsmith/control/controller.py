@@ -26,7 +26,7 @@ from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
 from gaitsmith.template.step import make_gait_inputs, make_step_state
 from gaitsmith.template.touchdown import make_touchdown_rule
-from gaitsmith.template.walking import Balance
+from gaitsmith.template.walking import make_balance
 from gaitsmith.whole_body.contact import make_contacts
 from gaitsmith.whole_body.forward_dynamics import make_motion_map
 from gaitsmith.whole_body.frames import make_frames
@@ -185,9 +185,7 @@ def _make_view(
         foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height),
         speed=make_speed_gains(parameters.speed),
         forecast=Forecast(np.zeros(3), *(np.zeros(2) for _ in range(4))),
-        balance=Balance(
-            np.zeros(2), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros(n_joints)
-        ),
+        balance=make_balance(n_joints),
         touchdown=make_touchdown_rule(parameters.touchdown),
         reference=make_reference(n_soles, n_joints),
         contacts=make_contacts(nv, n_soles),

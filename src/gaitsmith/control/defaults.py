@@ -112,6 +112,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "station_limit": 0.05 * speed,
             "settled_speed": 0.0185 * speed,
         },
+        "step_time": {"shortest": 0.5, "foot_speed": 0.74 * speed},
         "cop": {"gain": (2.0, 2.0), "weight": 2.2 * angular * rate**4 / torque**2},
         "attitude": {
             f"{axis}_{name}": value

@@ -9,6 +9,7 @@ from gaitsmith.kinematics.inverse import InverseGains
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.balance import CopGains
 from gaitsmith.template.phase import RestGains
+from gaitsmith.template.step_time import StepTimeGains
 from gaitsmith.template.walking import JointShares
 from gaitsmith.whole_body.contact import ContactBounds
 from gaitsmith.whole_body.solve import JointBounds
@@ -52,6 +53,7 @@ def make_gains(parameters: ControlParameters, dt: float) -> dict[str, Any]:
         "tasks": make_task_table(parameters),
         "cop": CopGains(gain_x=cop.gain[0], gain_y=cop.gain[1], margin=contact.zmp_margin),
         "shares": JointShares(knee=weights.knee, swing_joint=weights.swing_joint, swing_ankle=weights.swing_ankle),
+        "times": StepTimeGains(**parameters.step_time.model_dump()),
         "rest": RestGains(
             weight_shift=float(standing.weight_shift),
             longest_shift=standing.longest_shift,

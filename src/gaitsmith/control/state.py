@@ -18,6 +18,7 @@ from gaitsmith.template.balance import CopGains
 from gaitsmith.template.foothold import FootholdGains, Forecast, SpeedGains
 from gaitsmith.template.phase import RestGains
 from gaitsmith.template.step import GaitInputs, StepState
+from gaitsmith.template.step_time import StepTimeGains
 from gaitsmith.template.touchdown import TouchdownRule
 from gaitsmith.template.walking import Balance, JointShares
 from gaitsmith.whole_body.contact import ContactBounds, Contacts
@@ -102,6 +103,7 @@ class Tick(NamedTuple):
     step: StepState
     foothold: FootholdGains
     speed: SpeedGains
+    times: StepTimeGains
     cop: CopGains
     shares: JointShares
     forecast: Forecast

@@ -127,6 +127,7 @@ def _refer(table: int) -> None:
         g.latched,
         g.foothold,
         g.speed,
+        g.times,
         g.touchdown,
         g.forecast,
         g.balance,
@@ -134,6 +135,7 @@ def _refer(table: int) -> None:
         g.frames,
         g.tree_state,
         g.body.acceleration,
+        dt,
     )
     refer_walking(step, g.latched, g.foothold, g.cop, g.shares, g.forecast, g.balance, legs, g.frames, g.reference)
     for leg in range(legs.side.shape[0]):

@@ -67,6 +67,18 @@ class SpeedParameters(Parameters):
     settled_speed: Positive
 
 
+class StepTimeParameters(Parameters):
+    """Step time adapted within the step when the foothold is out of reach.
+
+    Attributes:
+        shortest: share of the period below which no step is shortened; 1 keeps every step's time.
+        foot_speed: speed of the swing foot that is counted on, m/s.
+    """
+
+    shortest: Annotated[float, Field(gt=0.0, le=1.0)]
+    foot_speed: Positive
+
+
 class CopParameters(Parameters):
     """Centre of pressure of the stance sole: k (ξ - ξ_ref) from the sole's origin, as a soft target.
 
@@ -240,6 +252,7 @@ class ControlParameters(Parameters):
 
     foothold: FootholdParameters
     speed: SpeedParameters
+    step_time: StepTimeParameters
     cop: CopParameters
     attitude: AttitudeParameters
     tracking: TrackingParameters

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from gaitsmith.compiled import Vector, kernel
-from gaitsmith.template.foothold import FootholdGains, expected_duration, pendulum_frequency
+from gaitsmith.template.foothold import FootholdGains, pendulum_frequency
 from gaitsmith.template.step import GaitInputs, StepState
 
 
@@ -36,7 +36,7 @@ def divergent_reference(
         out: (2,) m.
     """
     omega = pendulum_frequency(gains, com_height)
-    duration = expected_duration(step, gait)
+    duration = float(step.duration_ratio[0] * gait.period[0])
     half = 0.5 * omega * duration
     growth = math.exp(omega * min(time, duration) - half)
     for axis in range(2):

@@ -95,9 +95,9 @@ def pendulum_frequency(gains: FootholdGains, com_height: float) -> float:
 
 
 @kernel
-def expected_duration(step: StepState, gait: GaitInputs) -> float:
+def expected_duration(step: StepState) -> float:
     """How long the present step will last, from how long steps have lasted, s."""
-    return float(step.duration_ratio[0] * gait.period[0])
+    return float(step.duration_ratio[0] * step.period[0])
 
 
 @kernel
@@ -129,10 +129,9 @@ def forecast_touchdown(
         forecast: its ``arm`` is read; velocity and wanted are filled.
     """
     omega = pendulum_frequency(gains, forecast.arm[2])
-    duration = expected_duration(step, gait)
-    half = 0.5 * omega * duration
+    half = 0.5 * omega * step.duration_ratio[0] * gait.period[0]
     ratio = 1.0 + gains.mean_speed * (half / math.tanh(half) - 1.0)
-    remaining = omega * max(duration - step.time[0], 0.0)
+    remaining = omega * max(expected_duration(step) - step.time[0], 0.0)
     grow, carry = math.sinh(remaining), math.cosh(remaining)
     for axis in range(2):
         expected = carry * velocity[axis] + omega * grow * forecast.arm[axis]
@@ -169,7 +168,7 @@ def foothold_target(
         out: (2,) target, m.
     """
     omega = pendulum_frequency(gains, forecast.arm[2])
-    expected = expected_duration(step, gait)
+    expected = float(step.duration_ratio[0] * gait.period[0])  # the next step takes the commanded period
     deadbeat = 1.0 / (omega * math.tanh(omega * expected))
     duration = gait.period[0] + gains.mean_speed * (expected - gait.period[0])
     for axis in range(2):

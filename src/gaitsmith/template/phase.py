@@ -178,7 +178,7 @@ def advance_phase(
     step.time[0] += dt
     stance = step.stance[0]
     swing = legs.other[stance]
-    event = detect_touchdown(rule, step.time[0], latched.period[0], sole_force[swing])
+    event = detect_touchdown(rule, step.time[0], step.period[0], sole_force[swing])
     if event == NONE:
         return False
     if event == FORCED:

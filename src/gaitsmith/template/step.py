@@ -49,6 +49,9 @@ class StepState(NamedTuple):
         count: (1,) steps taken since the reset.
         forced: (1,) steps ended by the clock instead of by contact.
         time: (1,) since the step, or the shift, began, s.
+        period: (1,) duration that this step is taken for, s; at most the latched period.
+        place: (1,) time along the nominal curves, s: the period when the step ends, later than that past its end.
+        rate: (1,) how fast ``place`` advances.
         last_duration: (1,) duration of the previous step, s.
         duration_ratio: (1,) how long steps last, as a share of the commanded period (early touchdown).
         support_start: (3,) desired height of the support sole, its rate and acceleration when the step began.
@@ -81,6 +84,9 @@ class StepState(NamedTuple):
     count: IntVector  # type: ignore[assignment]
     forced: IntVector
     time: Vector
+    period: Vector
+    place: Vector
+    rate: Vector
     last_duration: Vector
     duration_ratio: Vector
     support_start: Vector
@@ -128,5 +134,5 @@ def make_step_state(n_soles: int, n_leg: int) -> StepState:
     }
     whole = {name for name, hint in StepState.__annotations__.items() if "Int" in str(hint)}
     state = {name: np.zeros(shape, dtype=np.int64 if name in whole else np.float64) for name, shape in shapes.items()}
-    state["duration_ratio"][:] = 1.0
+    state["duration_ratio"][:] = state["rate"][:] = 1.0
     return StepState(**state)  # type: ignore[arg-type]

@@ -19,6 +19,7 @@ def latch(step: StepState, requested: GaitInputs, latched: GaitInputs) -> None:
             step.settling[0] = SETTLING_STEPS
     for k in range(latched.values.shape[0]):
         latched.values[k] = requested.values[k]
+    step.period[0] = latched.period[0]
 
 
 @kernel
@@ -34,7 +35,8 @@ def begin_step(step: StepState, stance: int, swing: int, support_desired: Vector
     """
     step.stance[0] = stance
     step.last_duration[0] = step.time[0]
-    step.time[0] = 0.0
+    step.time[0] = step.place[0] = 0.0
+    step.rate[0] = 1.0
     step.count[0] += 1
     for axis in range(3):
         step.support_start[axis] = support_desired[axis]
@@ -67,7 +69,7 @@ def switch_legs(
     """
     leaving = step.stance[0]
     finish_step(step, latched, gains)
-    ratio = min(max(step.time[0] / latched.period[0], _SHORTEST), _LONGEST)
+    ratio = min(max(step.time[0] / step.period[0], _SHORTEST), _LONGEST)
     step.duration_ratio[0] += 0.5 * (ratio - step.duration_ratio[0])
     at_rest = requested.speed[0] == 0.0 and requested.speed[1] == 0.0
     if not at_rest:

@@ -28,7 +28,7 @@ def support_height(step: StepState, gait: GaitInputs, out: Vector) -> None:
     height = -gait.height[0]
     middle = start[0] + gait.alpha[0] * (height - start[0])
     joint = gait.alpha[0] * period
-    evaluate_pair(step.time[0], joint, period, start[0], start[1], start[2], middle, height, 0.0, 0.0, out)
+    evaluate_pair(step.place[0], joint, period, start[0], start[1], start[2], middle, height, 0.0, 0.0, out)
 
 
 @kernel
@@ -57,7 +57,7 @@ def swing_foot(
     """
     period = gait.period[0]
     joint = gait.alpha[0] * period
-    time = step.time[0]
+    time, rate = step.place[0], step.rate[0]
     for axis in range(3):
         start = step.swing_start[0, axis]
         if axis < 2:
@@ -67,8 +67,9 @@ def swing_foot(
             end = ground
             middle = ground + gait.lift[0]
         evaluate_pair(time, joint, period, start, step.swing_start[1, axis], 0.0, middle, end, 0.0, 0.0, scratch)
-        for order in range(3):
-            out[order, axis] = scratch[order]
+        out[0, axis] = scratch[0]
+        out[1, axis] = scratch[1] * rate
+        out[2, axis] = scratch[2] * rate * rate
     if time > period:
         out[0, 2] -= descent_speed * (time - period)
         out[1, 2] = -descent_speed
@@ -84,7 +85,7 @@ def smooth_share(time: float, span: float) -> float:
 @kernel
 def swing_pitch(step: StepState, gait: GaitInputs) -> float:
     """Desired pitch of the swing sole: from its pitch at the switch to level during the lifting stage, rad."""
-    return float(step.swing_pitch_start[0] * (1.0 - smooth_share(step.time[0], gait.alpha[0] * gait.period[0])))
+    return float(step.swing_pitch_start[0] * (1.0 - smooth_share(step.place[0], gait.alpha[0] * gait.period[0])))
 
 
 @kernel
@@ -93,4 +94,4 @@ def swing_yaw(step: StepState, gait: GaitInputs) -> float:
     period = gait.period[0]
     ahead = gait.yaw_rate[0] * (max(period - step.time[0], 0.0) + 0.5 * period)
     start = step.swing_yaw_start[0]
-    return float(start + smooth_share(step.time[0], period) * (ahead - start))
+    return float(start + smooth_share(step.place[0], period) * (ahead - start))

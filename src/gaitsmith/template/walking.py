@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.dynamics.tree import TreeState
 from gaitsmith.kinematics.inverse import InverseGains, InverseKinematics, LegTable, leg_row, leg_step
@@ -22,6 +24,7 @@ from gaitsmith.template.foothold import (
 )
 from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.step import GaitInputs, StepState
+from gaitsmith.template.step_time import StepTimeGains, adapt_duration
 from gaitsmith.template.touchdown import TouchdownRule
 from gaitsmith.template.trajectory import support_height, swing_foot, swing_pitch, swing_yaw
 from gaitsmith.whole_body.frames import Frames, to_heading
@@ -43,6 +46,7 @@ class Balance(NamedTuple):
     Attributes:
         divergent: (2,) reference of the divergent component, relative to the stance sole, m.
         cop: (2,) wanted centre of pressure, relative to the stance sole, m.
+        foot: (2,) swing sole relative to the CoM, m.
         curve: (3,) one coordinate, its rate and acceleration.
         position: (3,) a sole in the torso frame, m.
         velocity: (3,) its velocity, m/s.
@@ -52,11 +56,18 @@ class Balance(NamedTuple):
 
     divergent: Vector
     cop: Vector
+    foot: Vector
     curve: Vector
     position: Vector
     velocity: Vector
     rotation: Matrix
     torque: Vector
+
+
+def make_balance(n_joints: int) -> Balance:
+    """Scratch for a robot with ``n_joints`` joints."""
+    pairs, triples = [np.zeros(2) for _ in range(3)], [np.zeros(3) for _ in range(3)]
+    return Balance(*pairs, *triples, np.zeros((3, 3)), np.zeros(n_joints))  # type: ignore[call-arg]
 
 
 @kernel
@@ -65,6 +76,7 @@ def plan_step(
     latched: GaitInputs,
     foothold: FootholdGains,
     speed: SpeedGains,
+    times: StepTimeGains,
     touchdown: TouchdownRule,
     forecast: Forecast,
     balance: Balance,
@@ -72,6 +84,7 @@ def plan_step(
     frames: Frames,
     tree_state: TreeState,
     acceleration: Vector,
+    dt: float,
 ) -> None:
     """Desired sole states of this tick; the foothold follows the CoM.
 
@@ -98,6 +111,9 @@ def plan_step(
         y += tree_state.com_jacobian[1, k] * acceleration[k]
     to_heading(frames, x, y, forecast.acceleration)
     choose_speed(step, latched, speed, forecast)
+    for axis in range(2):
+        balance.foot[axis] = frames.relative_position[swing, axis] - frames.com_offset[axis]
+    adapt_duration(step, latched, foothold, times, forecast, frames.com_velocity, balance.foot, side, dt)
     forecast_touchdown(step, latched, foothold, frames.com_velocity, side, forecast)
     beside = frames.relative_position[stance, 1]
     foothold_target(step, latched, foothold, forecast, frames.com_offset, beside, side, step.foothold)
