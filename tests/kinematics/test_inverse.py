@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
 from gaitsmith.kinematics.inverse import (
+    InverseGains,
     LegKinematics,
     leg_forward,
     leg_step,
@@ -29,7 +30,7 @@ DIFFERENCE = 1e-8  # their truncation and rounding together
 ROUNDING = 1e-12  # m, a chain of six rotations
 REACHED = 1e-8  # m and rad, solve_leg against the pose it was asked for
 DT = 1e-3
-GAIN, SMALL = 10.0, 1e-6  # k_IK and the weights Q2, Q3 of the default preset
+GAINS = InverseGains(gain=10.0, step_weight=1e-6, change_weight=1e-6, pitch_weight=1.0)  # of the default preset
 
 MODELS = Path(__file__).resolve().parent.parent / "models"
 ROBOTS = {
@@ -118,12 +119,12 @@ def test_unreachable_poses_are_refused(target: list[float]) -> None:
 
 def follow(kin: LegKinematics, q: Array, targets: list[tuple[Array, Array, Array]]) -> tuple[Array, float]:
     """Track position, velocity, rotation tick by tick; checks the limits at every tick."""
-    ik, qp = make_inverse_kinematics(q.size), make_quadratic_program(q.size, 0)
+    ik, qp, active = make_inverse_kinematics(q.size), make_quadratic_program(q.size, 0), np.zeros(q.size, dtype=np.int64)
     reference, rate = q.copy(), np.zeros(q.size)
     worst = 0.0
     for position, velocity, rotation in targets:
         before = reference.copy()
-        status = leg_step(kin, ik, qp, GAIN, SMALL, SMALL, 1.0, reference, rate, position, velocity, rotation, DT)
+        status = leg_step(kin, ik, qp, active, GAINS, reference, rate, position, velocity, rotation, DT)
         assert status == OPTIMAL
         assert np.all((reference >= kin.lower) & (reference <= kin.upper))
         assert np.all(np.abs(reference - before) <= kin.velocity_limit * DT * (1.0 + 1e-9) + 1e-15)
@@ -187,14 +188,14 @@ def test_roll_error_does_not_disturb_the_pitch() -> None:
 def test_a_reference_outside_its_limits_is_moved_onto_them_and_nan_is_reported() -> None:
     """Neither makes the step fail silently: the first is repaired, the second leaves the reference alone."""
     kin = CHAINS[0][2]
-    ik, qp = make_inverse_kinematics(4), make_quadratic_program(4, 0)
+    ik, qp, active = make_inverse_kinematics(4), make_quadratic_program(4, 0), np.zeros(4, dtype=np.int64)
     reference, rate = kin.upper + 1.0, np.full(4, 3.0)
     target, still = pose(kin, 0.5 * (kin.lower + kin.upper))[0], np.zeros(3)
-    assert leg_step(kin, ik, qp, GAIN, SMALL, SMALL, 1.0, reference, rate, target, still, np.eye(3), DT) == OPTIMAL
+    assert leg_step(kin, ik, qp, active, GAINS, reference, rate, target, still, np.eye(3), DT) == OPTIMAL
     assert np.all((reference >= kin.lower) & (reference <= kin.upper))
     before = reference.copy()
     broken = np.array([np.nan, 0.0, 0.0])
-    assert leg_step(kin, ik, qp, GAIN, SMALL, SMALL, 1.0, reference, rate, broken, still, np.eye(3), DT) == NOT_FINITE
+    assert leg_step(kin, ik, qp, active, GAINS, reference, rate, broken, still, np.eye(3), DT) == NOT_FINITE
     np.testing.assert_array_equal(reference, before)
     np.testing.assert_array_equal(rate, 0.0)
 

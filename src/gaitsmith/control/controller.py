@@ -21,7 +21,7 @@ from gaitsmith.estimation.measurement import Measurement, make_measurement
 from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
 from gaitsmith.qp.quadratic_program import make_quadratic_program
 from gaitsmith.robots import Robot
-from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait
+from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait, gait_numbers
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
 from gaitsmith.template.step import make_gait_inputs, make_step_state
@@ -79,7 +79,8 @@ class Controller:
         self.estimated = state == "estimated"
         check_gait(self.gait.model_dump(), robot.card.gait_limits)
         soles = tuple(leg.name for leg in robot.legs)
-        telemetry, self.telemetry_buffer, self.telemetry_columns = make_telemetry(robot.joint_names, soles)
+        inputs = tuple(name for name, _, _ in gait_numbers(self.gait.model_dump()))
+        telemetry, self.telemetry_buffer, self.telemetry_columns = make_telemetry(robot.joint_names, soles, inputs)
         self._arena = Arena(_make_view(robot, self.scale, self.parameters, self.gait, self.estimated, telemetry))
         self._g = self._arena.view
         self._address = self._arena.address

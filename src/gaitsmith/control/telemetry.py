@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from gaitsmith.compiled import Vector
 from gaitsmith.estimation.measurement import Measurement
-from gaitsmith.robots.parameters import GAIT_INPUTS
 
 
 class Telemetry(NamedTuple):
@@ -98,14 +97,14 @@ _AXES = ("x", "y", "z")
 _PER_JOINT = ("joint_desired", "joint_position", "joint_velocity", "torque_feedforward", "torque")
 
 
-def _labels(joints: tuple[str, ...], soles: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+def _labels(joints: tuple[str, ...], soles: tuple[str, ...], inputs: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
     """Names of the entries of every field that has more than one."""
 
     def each(parts: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(f"{sole}.{part}" for sole in soles for part in parts)
 
     return {
-        "command": tuple(part for name, about in GAIT_INPUTS.items() for part in about.parts or (name,)),
+        "command": inputs,
         "com_velocity": _AXES,
         "tilt": ("roll", "pitch", "roll_rate", "pitch_rate"),
         "foothold": ("x", "y"),
@@ -121,10 +120,10 @@ def _labels(joints: tuple[str, ...], soles: tuple[str, ...]) -> dict[str, tuple[
 
 
 def make_telemetry(
-    joints: tuple[str, ...], soles: tuple[str, ...]
+    joints: tuple[str, ...], soles: tuple[str, ...], inputs: tuple[str, ...]
 ) -> tuple[Telemetry, npt.NDArray[np.float64], list[str]]:
-    """Telemetry over one buffer, the buffer, and the name of every column."""
-    labels = _labels(joints, soles)
+    """Telemetry over one buffer, the buffer, and the name of every column; ``inputs`` names the gait's numbers."""
+    labels = _labels(joints, soles, inputs)
     columns = [
         f"{field}.{label}" if label else field for field in Telemetry._fields for label in labels.get(field, ("",))
     ]
