@@ -119,7 +119,8 @@ def test_unreachable_poses_are_refused(target: list[float]) -> None:
 
 def follow(kin: LegKinematics, q: Array, targets: list[tuple[Array, Array, Array]]) -> tuple[Array, float]:
     """Track position, velocity, rotation tick by tick; checks the limits at every tick."""
-    ik, qp, active = make_inverse_kinematics(q.size), make_quadratic_program(q.size, 0), np.zeros(q.size, dtype=np.int64)
+    ik, qp = make_inverse_kinematics(q.size), make_quadratic_program(q.size, 0)
+    active = np.zeros(q.size, dtype=np.int64)
     reference, rate = q.copy(), np.zeros(q.size)
     worst = 0.0
     for position, velocity, rotation in targets:

@@ -26,11 +26,7 @@ def test_shipped_card_says_what_the_paper_says() -> None:
 def test_presets_are_merged_over_the_default() -> None:
     presets = parse_card(DATA).presets
     default, paper = presets["default"], presets["paper"]
-<<<<<<< HEAD
-    assert paper.foothold.deadbeat == 0.0
-=======
     assert paper.speed.integral_gain == (0.0, 0.0)
->>>>>>> fb336b7 (Tests of cards, legs and cache follow the new core)
     assert paper.foothold.velocity_gain == default.foothold.velocity_gain
     assert paper.joint_gains.swing_stiffness == (60.0, 150.0, 150.0, 30.0)
     assert paper.tracking == default.tracking
