@@ -1,8 +1,8 @@
 """Whole-body QP (Han 2023, eqs. 17-26): joint torques and sole wrenches that follow the reference best.
 
 The accelerations are eliminated through the dynamics, so the variables are the joint torques and one local wrench
-per bearing sole. Bounds on torque and wrench are bounds on the variables alone and can always be met; rows that keep a
-joint off its stops are dropped, and counted, in a tick that cannot meet them.
+per bearing sole. Bounds on torque and wrench are bounds on the variables alone and can always be met; in a tick that
+cannot meet the rows that keep a joint off its stops, they become costs, and the tick is counted.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ from gaitsmith.whole_body.tasks import (
 
 _ITERATIONS = 80
 _NEAR = 0.1  # rad: a stop is watched from here on, or earlier when approached fast
+_FIRM = 1e4  # 1/(rad/s²)²: cost on a stop's row that cannot be met
 _DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
 
 
@@ -67,7 +68,7 @@ class WholeBody(NamedTuple):
         solves: (1,) since the reset.
         fallbacks: (1,) ticks without a solution.
         infeasible: (1,) of these, ticks whose bounds contradict each other.
-        stops_dropped: (1,) ticks solved without the rows that keep joints off their stops.
+        stops_dropped: (1,) ticks that could not keep every joint off its stops, and braked them as hard as they could.
         status: (1,) of the last solve.
         iterations: (1,) of the last solve.
         stop_rows: (1,) rows of joint stops in the last solve.
@@ -142,6 +143,23 @@ def _stop_rows(
         qp.row_upper[m] = above - motion.free[6 + j]
         m += 1
     return m
+
+
+@kernel
+def _brake_at_stops(qp: QuadraticProgram, n: int, first: int, last: int) -> None:
+    """Add a cost on what the present solution misses in rows ``first`` to ``last``: brake as hard as can be."""
+    for m in range(first, last):
+        value = 0.0
+        for i in range(n):
+            value += qp.rows[m, i] * qp.solution[i]
+        wanted = min(max(value, qp.row_lower[m]), qp.row_upper[m])
+        if wanted == value:
+            continue
+        for i in range(n):
+            scaled = _FIRM * qp.rows[m, i]
+            qp.gradient[i] -= scaled * wanted
+            for j in range(n):
+                qp.hessian[i, j] += scaled * qp.rows[m, j]
 
 
 @kernel
@@ -255,6 +273,9 @@ def solve_whole_body(
             qp.size[1] = m
             body.stops_dropped[0] += 1
             body.status[0], body.iterations[0] = solve(qp, _ITERATIONS)
+            if body.status[0] == OPTIMAL:
+                _brake_at_stops(qp, n, m, m + stops)
+                body.status[0], body.iterations[0] = solve(qp, _ITERATIONS)
         if body.status[0] == OPTIMAL:
             _accept(qp, legs, frames, contacts, motion, body, n)
             body.fresh[0] = 0
