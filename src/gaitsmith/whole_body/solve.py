@@ -41,7 +41,7 @@ from gaitsmith.whole_body.tasks import (
 
 _ITERATIONS = 80
 _NEAR = 0.1  # rad: a stop is watched from here on, or earlier when approached fast
-_FIRM = 1e4  # 1/(rad/s²)²: cost on a stop's row that cannot be met
+_FIRM = 1e4  # (rad/s²)⁻²: cost on a stop's row that cannot be met
 _DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
 
 
