@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments.episodes import run_all
-from gaitsmith.experiments.identity import loop_identity
+from gaitsmith.experiments.episodes import loop_identity, run_all
 from gaitsmith.experiments.limits import QUANTITIES, Finding, Judgement, judge, shown
 from gaitsmith.experiments.measures import measure
 from gaitsmith.experiments.result import Progress, Result, silent
@@ -36,14 +35,9 @@ def run_battery(
     A trial that needs an input or a preset that the robot's card does not have is skipped, and says so.
 
     Args:
-        set: name or path; see :func:`gaitsmith.experiments.load_set`.
-        robot: name or path; the set's own if None.
-        preset: control parameters of the card, for the trials that do not name their own.
-        gait: planned gait that is walked; the template if None.
+        set, robot, preset, gait: see :func:`gaitsmith.experiments.load_set`.
         only: names of the trials to run; all if empty.
-        jobs: processes.
-        out: folder of the finished episodes; ``battery.json`` is written there too.
-        progress: told of the episodes done.
+        jobs, out, progress: see :func:`gaitsmith.experiments.run_all`; ``battery.json`` is written to ``out`` too.
 
     Raises:
         BadInput: unknown set, trial or preset, or the robot or the folder cannot be used.

@@ -2,25 +2,50 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib.metadata import version
 
+from gaitsmith.compiled.cache import source_key
 from gaitsmith.errors import BadInput, GaitsmithError
-from gaitsmith.experiments.identity import episode_key, loop_identity
 from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.experiments.store import Store
-from gaitsmith.files import uninterrupted
+from gaitsmith.files import read_bounded, uninterrupted
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation, Summary, run_episode
 from gaitsmith.simulation.scenario import check_scenario
 
+_LOOP = "gaitsmith.simulation.episode"
+_LARGEST_GAIT = 100_000_000  # bytes
 _Done = tuple[Scenario, str, Summary | None]
 _Source = Generator[_Done, None, None]
 
 
 class RobotChanged(GaitsmithError):
     """Code or robot files changed between the beginning of an experiment and one of its episodes."""
+
+
+def loop_identity(robot: Robot) -> str:
+    """Hash of the closed loop's source and versions, and of the robot's files with all their presets."""
+    parts = (source_key(_LOOP), version("mujoco"), robot.content_hash)
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:24]
+
+
+def episode_key(loop: str, scenario: Scenario) -> str:
+    """Key of one episode.
+
+    Args:
+        loop: from :func:`loop_identity`.
+        scenario: the robot's and the gait's names or paths do not count, their contents do.
+    """
+    fields = scenario.model_dump(mode="json", exclude={"robot"})
+    if gait := fields.get("gait"):
+        fields["gait"] = hashlib.sha256(read_bounded(gait, _LARGEST_GAIT)).hexdigest()
+    text = json.dumps(fields, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(f"{loop}\n{text}".encode()).hexdigest()[:32]
 
 
 @dataclass(frozen=True)

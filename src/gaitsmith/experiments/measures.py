@@ -20,6 +20,8 @@ def measure(summary: Summary) -> dict[str, float]:
         "leg_contacts": float(summary.leg_contacts),
         "yaw": max(map(abs, summary.yaw_deg)),
         "saturated": max(summary.torque_saturated.values(), default=0.0),
+        "torque_step": max(summary.torque_step_max.values(), default=0.0),
+        "velocity_over": max(summary.velocity_over.values(), default=0.0),
     }
     if summary.qp.solves:
         found["qp_fallbacks"] = summary.qp.fallbacks / summary.qp.solves
@@ -32,33 +34,25 @@ def measure(summary: Summary) -> dict[str, float]:
         found["lateral_error"] = max(abs(stage.vy_error) for stage in walking)
         found["height_error"] = max(abs(stage.height_error) for stage in walking)
         found["speed_bias"] = walking[-1].vx_error
-    return found | _later(summary.model_dump())
+        found["yaw_rate_error"] = max(abs(stage.yaw_rate_error) for stage in walking)
+    turned = any(stage.command.yaw_rate for stage in walking)
+    found["heading"] = max(map(abs, (s.heading_drift_deg for s in summary.stages) if turned else summary.heading_deg))
+    return found | _tracked(summary.model_dump().get("tracking"))
 
 
-def _later(summary: dict[str, Any]) -> dict[str, float]:
-    """Quantities of parts that not every run has."""
-    found = {}
-    stages = summary["stages"]
-    if stages and "heading_drift_deg" in stages[0]:
-        turned = any(stage["command"]["yaw_rate"] for stage in stages)
-        drifts = [stage["heading_drift_deg"] for stage in stages] if turned else summary["heading_deg"]
-        found["heading"] = max(map(abs, drifts))
-        walking = [abs(stage["yaw_rate_error"]) for stage in stages if not stage["rest"]]
-        if walking:
-            found["yaw_rate_error"] = max(walking)
-    for name, key in (("torque_step", "torque_step_max"), ("velocity_over", "velocity_over")):
-        if summary.get(key):
-            found[name] = max(summary[key].values())
-    if tracking := summary.get("tracking"):
-        pitch, ball = tracking["foot_pitch_deg"], tracking["ball"]
-        found["distance_error"] = _relative(tracking["distance"], tracking["planned_distance"])
-        found["tilt"] = max(map(abs, tracking["tilt_deg"].values()))
-        found["zmp_rms"] = 1e-3 * tracking["zmp_rms_mm"]
-        found["strike_error"] = _relative(pitch["strike"], pitch["planned_strike"])
-        found["off_error"] = _relative(pitch["off"], pitch["planned_off"])
-        if ball:
-            found["ball_error"] = _relative(ball["speed"], ball["planned_speed"])
-    return found
+def _tracked(tracking: dict[str, Any] | None) -> dict[str, float]:
+    """What a planned gait is judged by, beside the plan."""
+    if tracking is None:
+        return {}
+    pitch, ball = tracking["foot_pitch_deg"], tracking["ball"]
+    found = {
+        "distance_error": _relative(tracking["distance"], tracking["planned_distance"]),
+        "tilt": max(map(abs, tracking["tilt_deg"].values())),
+        "zmp_rms": 1e-3 * tracking["zmp_rms_mm"],
+        "strike_error": _relative(pitch["strike"], pitch["planned_strike"]),
+        "off_error": _relative(pitch["off"], pitch["planned_off"]),
+    }
+    return found | ({"ball_error": _relative(ball["speed"], ball["planned_speed"])} if ball else {})
 
 
 def _relative(value: float | None, planned: float | None) -> float:

@@ -195,9 +195,6 @@ class GridOutcome:
             "goal": grid.goal,
             "verdict": self.verdict(),
             "min_separation": closest[0] if closest else None,
-            "min_separation_at": [grid.degrees(closest[1].direction), closest[1].phase / grid.phases]
-            if closest
-            else None,
             "survival_limit": SURVIVAL,
             "survival_time": [[None if s is None else survival_time(s) for s in row] for row in rows],
             "separation": [[None if s is None else s.min_foot_separation for s in row] for row in rows],

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments.episodes import run_all
-from gaitsmith.experiments.identity import loop_identity
+from gaitsmith.experiments.episodes import loop_identity, run_all
 from gaitsmith.experiments.largest import Search, search_largest
 from gaitsmith.experiments.limits import shown
 from gaitsmith.experiments.push_grid import Cell, GridOutcome, PushGrid, momentum_unit
@@ -46,21 +45,13 @@ def push_grids(
     in place, at the card's height and period where not given.
 
     Args:
-        set: name or path; see :func:`gaitsmith.experiments.load_set`.
-        robot: name or path; the set's own if None.
-        preset: control parameters of the card.
-        gait: planned gait that is walked; the template if None.
-        impulse: N·s.
-        strength: the same over mass times √(gH).
-        speed: forward and to the left, m/s.
-        height: hip midpoint above the stance sole, m.
-        period: of one step, s.
-        directions: number of directions; the set's, or 8.
-        phases: number of phases; the set's, or 12.
+        set, robot, preset, gait: see :func:`gaitsmith.experiments.load_set`.
+        impulse, strength: N·s, and the same over mass times √(gH).
+        speed, height, period: inputs of the gait.
+        directions, phases: numbers of them; the set's, or 8 and 12.
         largest: search, for each gait, the largest impulse that is survived at all phases, direction by direction.
-        jobs: processes.
-        out: folder of the finished episodes; ``push.json`` or ``push_largest.json`` is written there too.
-        progress: told of the episodes done.
+        jobs, out, progress: see :func:`gaitsmith.experiments.run_all`; ``push.json`` or ``push_largest.json`` is
+            written to ``out`` too.
 
     Raises:
         BadInput: an option, the robot, or the folder cannot be used.
@@ -71,9 +62,7 @@ def push_grids(
     single = impulse is not None or strength is not None or any(value is not None for value in walk.values())
     if single:
         try:
-            base = walking(
-                {**chosen.base, **{name: value for name, value in walk.items() if value is not None}}, loaded
-            )
+            base = walking(chosen.base | {name: value for name, value in walk.items() if value is not None}, loaded)
             check_scenario(base, loaded)
         except BadInput as error:
             raise BadInput(f"--{error.field.split('[')[0]}", error.value, error.valid, error.remedy) from None
