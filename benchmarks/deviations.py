@@ -26,6 +26,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from gaitsmith import Controller, Robot, Scenario, Simulation, load_robot
+from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.robots.card import Sole
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.simulation import Push, Summary
@@ -50,22 +51,29 @@ class Deviation:
 
 
 def deviations(robot: Robot) -> tuple[Deviation, ...]:
-    paper = robot.card.presets["paper"].model_dump()
-    eq15 = {"deadbeat": 0.0, "prediction": 0.0, "mean_speed": 0.0, "integral_gain": (0.0, 0.0)}
+    paper = preset_parameters(robot, robot_scale(robot), "paper").model_dump()
+    eq15 = {"deadbeat": 0.0, "prediction": 0.0, "mean_speed": 0.0}
+    none = (0.0, 0.0)
     return (
         Deviation("default preset, nothing set back"),
         Deviation("paper preset", paper),
-        Deviation("foothold: no speed integral", {"foothold": {"integral_gain": (0.0, 0.0)}}),
-        Deviation("foothold: no station keeping", {"foothold": {"station_gain": (0.0, 0.0)}}),
+        Deviation("speed: no integral", {"speed": {"integral_gain": none}}),
+        Deviation("speed: no station keeping", {"speed": {"station_gain": none}}),
+        Deviation("step time: kept", {"step_time": {"shortest": 1.0}}),
         Deviation("foothold: present velocity, no forecast", {"foothold": {"prediction": 0.0}}),
         Deviation("foothold: fixed k_v 0.30 s", {"foothold": {"deadbeat": 0.0}}),
         Deviation("foothold: step T v_d from the hips", {"foothold": {"mean_speed": 0.0}}),
-        Deviation("foothold: eq. 15 alone", {"foothold": {**eq15, "station_gain": (0.0, 0.0)}}),
-        Deviation("foothold: eq. 15 with the integral", {"foothold": {**eq15, "integral_gain": (0.12, 0.03)}}),
+        Deviation(
+            "foothold: eq. 15 alone",
+            {"foothold": eq15, "speed": {"integral_gain": none, "station_gain": none}, "step_time": {"shortest": 1.0}},
+        ),
+        Deviation("foothold: eq. 15 with the integral", {"foothold": eq15}),
+        Deviation("foothold: sway not an error", {"foothold": {"sway": 1.0}}),
         Deviation("foothold: k_a 0.03 s²", {"foothold": {"acceleration_gain": 0.03}}),
         Deviation("foothold: no least foot separation", {"foothold": {"separation": 1e-3}}),
-        Deviation("ankle: target 0 instead of speed error", {"ankle": {"speed_gain": 0.0}}),
-        Deviation("ankle: no cost on its torque", {"ankle": {"speed_gain": 0.0}, "weights": {"ankle_torque": 0.0}}),
+        Deviation("centre of pressure: at the sole's origin", {"cop": {"gain": none}}),
+        Deviation("centre of pressure: free", {"cop": {"weight": 0.0}}),
+        Deviation("torque: its change not bounded", {"joints": {"torque_rate": 1e9}}),
         Deviation("stance: sole's pitch and yaw free", {"weights": {"stance_angular": 0.0}}),
         Deviation("contact: roll moment free", half_width=100.0),
         Deviation("contact: yaw moment unbounded", {"contact": {"yaw_friction": 100.0}}),
@@ -117,7 +125,7 @@ def run_row(row: Deviation, pushes: bool) -> dict[str, Any]:
         believed = Sole(kind="rectangle", heel=0.07, toe=0.12, half_width=row.half_width)
         left, right = (replace(leg, sole=believed) for leg in robot.legs)
         robot = replace(robot, legs=(left, right))
-    parameters = changed(robot.card.presets["default"], row.numbers)
+    parameters = changed(preset_parameters(robot, robot_scale(robot), "default"), row.numbers)
 
     def run(scenario: Scenario) -> Summary:
         controller = Controller(robot, preset=parameters)

@@ -10,6 +10,7 @@ from typing import Any, get_args
 import pytest
 from pydantic import BaseModel
 
+from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.robots import load_robot
 from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
 from gaitsmith.robots.parameters import GaitParameters
@@ -97,12 +98,14 @@ def test_every_measured_deviation_is_a_valid_preset_and_in_the_table() -> None:
     sys.modules[spec.name] = benchmark
     spec.loader.exec_module(benchmark)
     robot = load_robot("bhr_b2")
-    default = robot.card.presets["default"]
+    scale = robot_scale(robot)
+    default = preset_parameters(robot, scale, "default")
     for row in benchmark.deviations(robot):
         parameters = benchmark.changed(default, row.numbers)
         assert (parameters != default) == bool(row.numbers)
         assert f"| {row.name} |" in page("deviations.md"), row.name
-    assert benchmark.changed(default, robot.card.presets["paper"].model_dump()) == robot.card.presets["paper"]
+    paper = preset_parameters(robot, scale, "paper")
+    assert benchmark.changed(default, paper.model_dump()) == paper
 
 
 def test_every_assumption_is_listed() -> None:
