@@ -14,9 +14,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import BaseModel, Field, create_model
 
-from gaitsmith.documents import About, about, checked, nearest, plain, span
+from gaitsmith.documents import About, Frozen, about, checked, nearest, plain, span
 from gaitsmith.errors import BadInput
 
 _NUMBER = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
@@ -29,10 +29,8 @@ class Positional(About):
     """The argument that takes the one word without an option before it."""
 
 
-class Arguments(BaseModel):
+class Arguments(Frozen):
     """Base of what commands take; the docstring of a command's own class is the head of its help."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     json_: Annotated[bool, About("Print one JSON document instead of text", flag="--json")] = False
 

@@ -52,9 +52,7 @@ class PushArguments(Arguments):
     height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="standard")] = None
     period: Annotated[float | None, About("Duration of one step", "s", "S", absent="standard")] = None
     directions: Annotated[
-        int | None,
-        Field(ge=1),
-        About("Directions, evenly around the robot", metavar="N", absent="the set's, or 8"),
+        int | None, Field(ge=1), About("Directions, evenly around the robot", metavar="N", absent="the set's, or 8")
     ] = None
     phases: Annotated[
         int | None, Field(ge=1), About("Phases, evenly over one stride", metavar="N", absent="the set's, or 12")

@@ -89,10 +89,7 @@ class PlanArguments(Arguments):
         float | None,
         *_BOUNDS["zmp_margin"].metadata,
         About(
-            "Distance of the ZMP from the support sole's edge",
-            "m",
-            "M",
-            absent=f"{_BOUNDS['zmp_margin'].default:g}",
+            "Distance of the ZMP from the support sole's edge", "m", "M", absent=f"{_BOUNDS['zmp_margin'].default:g}"
         ),
     ] = None
     friction: Annotated[

@@ -1,6 +1,7 @@
 """One reader for documents that a stranger wrote: cards, scenarios, motions, gaits."""
 
 from gaitsmith.documents.about import About as About
+from gaitsmith.documents.about import Frozen as Frozen
 from gaitsmith.documents.about import Name as Name
 from gaitsmith.documents.about import about as about
 from gaitsmith.documents.about import check_name as check_name

@@ -6,12 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, BaseModel, ConfigDict
 from pydantic.fields import FieldInfo
 
 LONGEST_NAME = 200
 FORMULA = "=+-@"  # a spreadsheet takes what begins like this for a formula
 VALID_NAME = f"1 to {LONGEST_NAME} printable characters, the first none of {' '.join(FORMULA)} or a space"
+
+
+class Frozen(BaseModel):
+    """Base of all data that is checked when it is built: frozen, no unknown keys, no NaN."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 @dataclass(frozen=True)

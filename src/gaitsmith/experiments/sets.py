@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from gaitsmith.documents import checked, parse_toml, read_toml
+from gaitsmith.documents import Frozen, checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.limits import QUANTITIES, Limit
 from gaitsmith.experiments.push_grid import PushGrid
@@ -27,13 +27,7 @@ _POWERS = {
 """Power of the length scale in each quantity, gravity being the same: times and speeds go with its root."""
 
 
-class _Entry(BaseModel):
-    """Base of a set's entries: frozen, no unknown keys, no NaN."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class TrialEntry(_Entry):
+class TrialEntry(Frozen):
     """One trial; without limits it is judged by falls alone.
 
     Attributes:
@@ -50,20 +44,20 @@ class TrialEntry(_Entry):
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
     base: str | None = None
-    scenario: dict[str, Any] = {}
-    draw: dict[str, tuple[float, float]] = {}
-    limits: dict[str, float] = {}
+    scenario: dict[str, Any] = Field(default_factory=dict)
+    draw: dict[str, tuple[float, float]] = Field(default_factory=dict)
+    limits: dict[str, float] = Field(default_factory=dict)
     report: tuple[str, ...] = ()
     seeds: Annotated[int, Field(ge=1, le=1000)] = 1
     least: Annotated[int, Field(ge=0)] | None = None
     judged: bool = True
 
 
-class GridEntry(_Entry):
+class GridEntry(Frozen):
     """One grid of pushes; see :class:`gaitsmith.experiments.PushGrid`."""
 
     impulse: Annotated[float, Field(gt=0.0, le=1000.0)]
-    scenario: dict[str, Any] = {}
+    scenario: dict[str, Any] = Field(default_factory=dict)
     least: int | None = None
     goal: int | None = None
     separation: float | None = None
@@ -72,14 +66,14 @@ class GridEntry(_Entry):
     offset: float = 0.0
 
 
-class Reference(_Entry):
+class Reference(Frozen):
     """The robot in whose size a set is written: leg from hip to sole, stretched, m, and mass, kg."""
 
     leg: Annotated[float, Field(gt=0.0)]
     mass: Annotated[float, Field(gt=0.0)]
 
 
-class _Document(_Entry):
+class _Document(Frozen):
     """A set's file; ``every`` holds what all its trials share, put over what ``extends`` brings."""
 
     robot: str

@@ -7,21 +7,19 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import Field, create_model
 
-from gaitsmith.documents import About
+from gaitsmith.documents import About, Frozen
 from gaitsmith.errors import BadInput
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Fraction = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+Finite = float  # models refuse NaN and infinities
+Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-class Parameters(BaseModel):
-    """Base of all parameter groups: frozen, no unknown keys, no NaN."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+class Parameters(Frozen):
+    """Base of the groups of a card and of settings."""
 
 
 @dataclass(frozen=True)

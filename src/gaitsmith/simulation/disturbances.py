@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from gaitsmith.documents import Frozen
 
 if TYPE_CHECKING:
     from gaitsmith.log.columns import Columns
     from gaitsmith.simulation.plant import Plant
 
-Impulse = Annotated[float, Field(ge=-1000.0, le=1000.0, allow_inf_nan=False)]
+Impulse = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 
 
-class Push(BaseModel):
+class Push(Frozen):
     """A rectangular push at a body's CoM.
 
     Attributes:
@@ -29,12 +31,10 @@ class Push(BaseModel):
         body: name of the pushed body; None is the torso.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    time: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+    time: Annotated[float, Field(ge=0.0)]
     impulse: tuple[Impulse, Impulse, Impulse]
-    duration: Annotated[float, Field(ge=1e-3, le=10.0, allow_inf_nan=False)] = 0.1
-    phase: Annotated[float, Field(ge=0.0, lt=1.0, allow_inf_nan=False)] | None = None
+    duration: Annotated[float, Field(ge=1e-3, le=10.0)] = 0.1
+    phase: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
     body: str | None = None
 
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, create_model, field_validator, model_validator
+from pydantic import Field, create_model, field_validator, model_validator
 
-from gaitsmith.documents import About, about, checked, parse_toml, read_toml
+from gaitsmith.documents import About, Frozen, about, checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
@@ -23,18 +23,18 @@ if TYPE_CHECKING:
 
 _MARGIN = 3.0  # m of prepared ground around the commanded path
 _SAMPLES = 17  # of a turn
-Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Seconds = Annotated[float, Field(ge=0.0)]
 
 
 if TYPE_CHECKING:
 
-    class _Inputs(BaseModel):
+    class _Inputs(Frozen):
         def __getattr__(self, name: str) -> Any: ...
 
 else:
     _Inputs = create_model(
         "_Inputs",
-        __config__=ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False),
+        __base__=Frozen,
         __module__=__name__,
         **{
             name: (Annotated[field.annotation | None, about(field)], None)
@@ -48,8 +48,6 @@ class Command(_Inputs):
 
     They are the fields of :class:`gaitsmith.robots.parameters.GaitParameters`; a single number is a forward speed.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     @field_validator("speed", mode="before")
     @classmethod
@@ -105,15 +103,10 @@ class Scenario(Command):
     terrain: Annotated[
         str,
         About(
-            "Ground: flat, a slope (uphill positive), or random boxes up to a height",
-            metavar="flat|slope:DEG|boxes:M",
+            "Ground: flat, a slope (uphill positive), or random boxes up to a height", metavar="flat|slope:DEG|boxes:M"
         ),
     ] = "flat"
-    duration: Annotated[
-        float,
-        Field(gt=0.0, allow_inf_nan=False),
-        About("Length of the whole run, rests included", "s", "S"),
-    ] = 20.0
+    duration: Annotated[float, Field(gt=0.0), About("Length of the whole run, rests included", "s", "S")] = 20.0
     rest_before: Annotated[Seconds, About("Standing on both feet before the walk", "s", "S")] = 1.0
     rest_after: Annotated[Seconds, About("Standing on both feet after the walk", "s", "S")] = 0.0
     changes: tuple[Change, ...] = ()
@@ -127,26 +120,20 @@ class Scenario(Command):
     ] = ()
     sensors: SensorNoise = SensorNoise()
     joint_friction: Annotated[
-        float,
-        Field(ge=0.0, le=100.0, allow_inf_nan=False),
-        About("Coulomb friction of every joint", "N·m", "N·m"),
+        float, Field(ge=0.0, le=100.0), About("Coulomb friction of every joint", "N·m", "N·m")
     ] = 0.0
-    torque_delay: Annotated[
-        float, Field(ge=0.0, le=0.1, allow_inf_nan=False), About("From torque command to joint", "s", "S")
-    ] = 0.0
+    torque_delay: Annotated[float, Field(ge=0.0, le=0.1), About("From torque command to joint", "s", "S")] = 0.0
     friction: Annotated[
-        float,
-        Field(ge=0.05, le=5.0, allow_inf_nan=False),
-        About("Coulomb coefficient between sole and ground", metavar="MU"),
+        float, Field(ge=0.05, le=5.0), About("Coulomb coefficient between sole and ground", metavar="MU")
     ] = 0.8
     mass_factor: Annotated[
         float,
-        Field(ge=0.5, le=2.0, allow_inf_nan=False),
+        Field(ge=0.5, le=2.0),
         About("On every mass and inertia of the plant; the controller keeps the card's", metavar="X"),
     ] = 1.0
     mass_spread: Annotated[
         float,
-        Field(ge=0.0, le=0.5, allow_inf_nan=False),
+        Field(ge=0.0, le=0.5),
         About("Each body's masses differ by up to this share besides, drawn from the seed", metavar="X"),
     ] = 0.0
 

@@ -7,13 +7,15 @@ from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-Deviation = Annotated[float, Field(ge=0.0, le=10.0, allow_inf_nan=False)]
+from gaitsmith.documents import Frozen
+
+Deviation = Annotated[float, Field(ge=0.0, le=10.0)]
 _BLOCK = 1024  # rows drawn at once: a draw per tick would cost more than the tick's physics
 
 
-class SensorNoise(BaseModel):
+class SensorNoise(Frozen):
     """Standard deviations of white noise per sample, and constant errors.
 
     Attributes:
@@ -24,8 +26,6 @@ class SensorNoise(BaseModel):
         encoder_step: quantisation of the joint angles, rad; 0 for none.
         attitude: rad per axis of a rotation vector in body axes.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     gyro: Deviation = 0.02
     accelerometer: Deviation = 0.1

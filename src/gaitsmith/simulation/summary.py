@@ -6,24 +6,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, create_model
+from pydantic import create_model
 
 from gaitsmith.compiled import Vector
+from gaitsmith.documents import Frozen
 from gaitsmith.robots.parameters import GAIT_INPUTS
 
 SCORED = 2.0  # s at the end of a stage over which means are taken
 Array = npt.NDArray[np.float64]
 
 
-class _Part(BaseModel):
-    """Base of a summary's parts: frozen, and no NaN."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
 if TYPE_CHECKING:
 
-    class StageCommand(_Part):
+    class StageCommand(Frozen):
         """Gait inputs that hold during a stage; SI units, zero speed at rest."""
 
         def __getattr__(self, name: str) -> float: ...
@@ -31,14 +26,14 @@ if TYPE_CHECKING:
 else:
     StageCommand = create_model(
         "StageCommand",
-        __base__=_Part,
+        __base__=Frozen,
         __module__=__name__,
         __doc__="Gait inputs that hold during a stage; SI units, zero speed at rest.",
         **{key: (float, ...) for name, about in GAIT_INPUTS.items() for key in about.keys or (name,)},
     )
 
 
-class Stage(_Part):
+class Stage(Frozen):
     """Between two changes of the command.
 
     Attributes:
@@ -75,7 +70,7 @@ class Stage(_Part):
     settled_pitch_deg: tuple[float, float]
 
 
-class FallReport(_Part):
+class FallReport(Frozen):
     """A fall: when, in which phase of the step, and why."""
 
     time: float
@@ -83,7 +78,7 @@ class FallReport(_Part):
     reason: str
 
 
-class QpCounts(_Part):
+class QpCounts(Frozen):
     """Whole-body QP: ticks that solved it, that fell back, and that found it infeasible."""
 
     solves: int
@@ -91,7 +86,7 @@ class QpCounts(_Part):
     infeasible: int
 
 
-class TickTimes(_Part):
+class TickTimes(Frozen):
     """Wall time of the controller's tick, µs, and how many took longer than the control period of 1 ms."""
 
     median: float
@@ -100,14 +95,14 @@ class TickTimes(_Part):
     overruns: int
 
 
-class Memory(_Part):
+class Memory(Frozen):
     """Memory of the process that is in use, MB, when the run began and when it was summed up."""
 
     start: float
     end: float
 
 
-class LogCounts(_Part):
+class LogCounts(Frozen):
     """Rows of the log, rows that it lacks, and whether its file is complete."""
 
     rows: int
@@ -115,7 +110,7 @@ class LogCounts(_Part):
     complete: bool
 
 
-class Summary(_Part):
+class Summary(Frozen):
     """A run in numbers.
 
     Attributes:

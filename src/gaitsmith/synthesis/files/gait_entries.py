@@ -31,11 +31,11 @@ def _quantity(name: str) -> str:
 
 
 QuantityName = Annotated[str, AfterValidator(_quantity)]
-Number = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
-Amount = Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]  # m, m/s or the sine of an angle
+Number = Annotated[float, Field(ge=-1e6, le=1e6)]
+Amount = Annotated[float, Field(ge=-1e3, le=1e3)]  # m, m/s or the sine of an angle
 Place = tuple[Amount, Amount]
-_Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE, allow_inf_nan=False)]
-_Coefficient = Annotated[float, Field(allow_inf_nan=False)]
+_Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE)]
+_Coefficient = float
 _Row = Annotated[tuple[_Coefficient, ...], Field(min_length=1, max_length=200)]
 _Table = Annotated[tuple[_Row, ...], Field(max_length=200)]
 
@@ -64,7 +64,7 @@ class _LimitEntry(Range):
 
 
 class _Section(Parameters):
-    start: Annotated[float, Field(ge=0.0, le=LONGEST + _CLOCK, allow_inf_nan=False)]
+    start: Annotated[float, Field(ge=0.0, le=LONGEST + _CLOCK)]
     duration: _Duration
     joints: _Table
     torque: _Table

@@ -33,7 +33,7 @@ class _PhaseText(Parameters):
     """One phase as written."""
 
     name: Name
-    duration: Annotated[float, Field(ge=0.02, le=60.0, allow_inf_nan=False)]
+    duration: Annotated[float, Field(ge=0.02, le=60.0)]
     support: Literal["left", "right"]
     contact: Literal["air", "flat", "heel", "toe"]
     support_at: Place
@@ -66,7 +66,7 @@ class MotionText(Parameters):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,40}$")]
     cyclic: bool = False
-    standing_height: Annotated[float | None, Field(gt=0.0, le=10.0, allow_inf_nan=False)] = None
+    standing_height: Annotated[float | None, Field(gt=0.0, le=10.0)] = None
     phases: Annotated[tuple[_PhaseText, ...], Field(min_length=1, max_length=PHASES)]
     conditions: Annotated[tuple[_ConditionText, ...], Field(max_length=2 * PHASES)] = ()
     settings: Settings = Settings()

@@ -8,9 +8,9 @@ from pydantic import Field
 
 from gaitsmith.robots.parameters import Fraction, Parameters, Positive
 
-Angle = Annotated[float, Field(gt=0.0, le=1.5, allow_inf_nan=False)]
-Length = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
-Share = Annotated[float, Field(gt=0.0, le=1.0, allow_inf_nan=False)]
+Angle = Annotated[float, Field(gt=0.0, le=1.5)]
+Length = Annotated[float, Field(ge=0.0, le=1.0)]
+Share = Annotated[float, Field(gt=0.0, le=1.0)]
 
 
 class Bounds(Parameters):
@@ -34,7 +34,7 @@ class Bounds(Parameters):
         velocity: share of the card's velocity limits that may be used.
     """
 
-    friction: Annotated[float, Field(gt=0.0, le=5.0, allow_inf_nan=False)] = 0.6
+    friction: Annotated[float, Field(gt=0.0, le=5.0)] = 0.6
     yaw_friction: Share = 0.05
     zmp_margin: Length = 0.02
     normal_force: Fraction = 0.3
