@@ -57,13 +57,6 @@ class PointFunctions:
         dense = self._dense("jacobian", 1, slopes, (self.layout.outputs, self.layout.inputs))
         return values.reshape(count, self.layout.outputs).T.copy(), dense
 
-    def curvature(self, points: Array, pivots: Array, multipliers: Array, weights: Array) -> Array:
-        """Hessians (K, inputs, inputs) for many points: multipliers (K, outputs) and weights (K,)."""
-        count = points.shape[1]
-        arguments = (points.T.ravel(), pivots.T.ravel(), multipliers.ravel(), weights)
-        (found,) = self._caller("hessian", count)(*arguments)
-        return self._dense("hessian", 0, found, (self.layout.inputs, self.layout.inputs))
-
     def _dense(self, name: str, output: int, nonzeros: Array, shape: tuple[int, int]) -> Array:
         """Matrices (K, *shape) from the nonzeros of a mapped function's output."""
         if name not in self._places:

@@ -107,6 +107,13 @@ class Assembly:
         found = ca.triu(self._curvature(on_outputs, factor))
         return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
 
+    @cached_property
+    def convex(self) -> Any:
+        """X -> upper triangle of the objective's Hessian without the curvature of the torques: never negative."""
+        layout, count = self.program.functions.layout, self.program.points.count
+        found = ca.triu(self._curvature(ca.MX(layout.outputs, count), ca.MX(1.0)))
+        return ca.Function("convex", [self.x], [found])
+
     def _curvature(self, on_outputs: Any, factor: Any) -> Any:
         """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
         layout, program, fun = self.program.functions.layout, self.program, self.program.functions

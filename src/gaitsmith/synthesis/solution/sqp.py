@@ -11,7 +11,6 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
-from gaitsmith.synthesis.program.curvature import Curvature
 from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, Program
 from gaitsmith.synthesis.solution.active_set import ActiveStep, active_set_step
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, progress_of
@@ -49,7 +48,8 @@ def solve_sqp(
         A solution whose ``solved`` is False when the start was too far away; the caller then solves it cold.
     """
     begin = time.perf_counter()
-    first_order, curvature = Caller(Assembly(program).first_order), Curvature(program)
+    assembly = Assembly(program)
+    first_order, exact = Caller(assembly.first_order), Caller(assembly.hessian)
     ready = time.perf_counter()
     x, lam = start.copy(), multipliers.copy()
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
@@ -64,10 +64,10 @@ def solve_sqp(
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:
-            H = _lifted(curvature.exact(x, lam))
+            H = _lifted(exact, x, np.zeros(0), 1.0, lam)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            H = _lifted(curvature.convex(x))
+            H = _lifted(Caller(assembly.convex), x)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:
             status = "Quadratic_Program_Failed"
@@ -92,12 +92,11 @@ def solve_sqp(
     return Solution(x, solved, status, iteration, ready - begin, spent, lam)
 
 
-def _lifted(H: sp.coo_matrix) -> sp.coo_matrix:
-    """A Hessian with a little curvature added."""
-    along = np.arange(H.shape[0])
-    values = np.concatenate([H.data, np.full(len(along), _PROXIMAL)])
-    places = np.concatenate([H.row, along]), np.concatenate([H.col, along])
-    return sp.coo_matrix((values, places), shape=H.shape)
+def _lifted(upper: Caller, *arguments: Array | float) -> sp.csc_matrix:
+    """A Hessian from its upper triangle, with a little curvature added."""
+    upper(*arguments)
+    U = upper.matrix(0)
+    return sp.csc_matrix(U + sp.triu(U, 1).T + _PROXIMAL * sp.eye_array(U.shape[0]))
 
 
 def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, float]:

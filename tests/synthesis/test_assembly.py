@@ -1,0 +1,56 @@
+"""A program's derivatives of second order: slopes of those of first order, in all kinds of phases."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from gaitsmith.synthesis import KickParameters, Settings, StepParameters
+from gaitsmith.synthesis.motions.biped import standing
+from gaitsmith.synthesis.motions.catalogue import cyclic, kick
+from gaitsmith.synthesis.point.caller import Caller
+from gaitsmith.synthesis.program.assembly import Assembly
+from gaitsmith.synthesis.program.program import make_program
+from gaitsmith.synthesis.program.transcription import Transcription
+
+STEP, SLOPE = 1e-5, 1e-6  # of differences, relative
+ROUNDING = 1e-12  # relative
+
+
+@pytest.fixture(scope="module", params=["cyclic", "kick"])
+def program(request, planner):
+    biped = planner.biped
+    motion = (
+        cyclic(biped, StepParameters(0.15, 1.0))
+        if request.param == "cyclic"
+        else kick(biped, KickParameters(), standing(biped))
+    )
+    trans = Transcription(biped, motion, Settings())
+    return make_program(trans, planner.functions, trans.points())
+
+
+def _symmetric(call, *arguments):
+    call(*arguments)
+    upper = call.matrix(0)
+    return (upper + sp.triu(upper, 1).T).toarray()
+
+
+def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(program):
+    rng = np.random.default_rng(4)
+    assembly = Assembly(program)
+    first_order, multipliers = Caller(assembly.first_order), rng.normal(size=program.rows)
+    x, direction = 0.1 * rng.normal(size=program.size), rng.normal(size=program.size)
+
+    def gradient(at):
+        first_order(at)
+        return first_order.results[0] + first_order.matrix(2).T @ multipliers
+
+    slope = (gradient(x + STEP * direction) - gradient(x - STEP * direction)) / (2.0 * STEP)
+    found = _symmetric(Caller(assembly.hessian), x, np.zeros(0), 1.0, multipliers) @ direction
+    assert np.abs(found - slope).max() < SLOPE * np.abs(slope).max()
+
+
+def test_the_convex_hessian_is_never_negative(program):
+    x = 0.1 * np.random.default_rng(4).normal(size=program.size)
+    values = np.linalg.eigvalsh(_symmetric(Caller(Assembly(program).convex), x))
+    assert values.max() > 0.0
+    assert values.min() > -ROUNDING * values.max()
