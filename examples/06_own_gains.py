@@ -9,14 +9,10 @@ from gaitsmith.robots.presets import ControlParameters
 
 def main(duration: float = 8.0) -> dict[str, float]:
     robot = gaitsmith.load_robot("bhr_b2")
-    default = robot.card.presets["default"]
+    default = gaitsmith.Controller(robot).parameters
     numbers = default.model_dump()
     numbers["foothold"] |= {"deadbeat": 0.0, "velocity_gain": (0.20, 0.20)}
-    presets = {
-        "default": default,
-        "fixed k_v of 0.2 s": ControlParameters.model_validate(numbers),
-        "as in the paper": robot.card.presets["paper"],
-    }
+    presets = {"default": default, "fixed k_v of 0.2 s": ControlParameters.model_validate(numbers), "paper": "paper"}
     errors = {}
     for name, parameters in presets.items():
         scenario = gaitsmith.Scenario(speed=(0.4, 0.0), duration=duration)
