@@ -74,33 +74,18 @@ def axis_angle_entries(x: float, y: float, z: float, angle: float) -> tuple[floa
 
 
 @kernel
-def quaternion_from_entries(r: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Unit quaternion w x y z, w not negative, of a rotation matrix given as nine entries row by row."""
-    trace = r[0] + r[4] + r[8]
-    # The largest of the four squares is divided by: its root is at least 1/2.
-    if trace >= r[0] and trace >= r[4] and trace >= r[8]:
-        w, x, y, z = 1.0 + trace, r[7] - r[5], r[2] - r[6], r[3] - r[1]
-    elif r[0] >= r[4] and r[0] >= r[8]:
-        w, x, y, z = r[7] - r[5], 1.0 + r[0] - r[4] - r[8], r[1] + r[3], r[2] + r[6]
-    elif r[4] >= r[8]:
-        w, x, y, z = r[2] - r[6], r[1] + r[3], 1.0 + r[4] - r[0] - r[8], r[5] + r[7]
-    else:
-        w, x, y, z = r[3] - r[1], r[2] + r[6], r[5] + r[7], 1.0 + r[8] - r[0] - r[4]
-    over = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
-    if w < 0.0:
-        over = -over
-    return w * over, x * over, y * over, z * over
-
-
-@kernel
-def quaternion_product(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Product of two quaternions w x y z: first the turn ``b``, then ``a``; not normalised."""
-    return (
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-    )
+def turn_quaternion(quaternion: Vector, x: float, y: float, z: float) -> None:
+    """Multiply a quaternion from the right by the rotation vector (x, y, z), rad, body axes, and normalise it."""
+    angle = math.sqrt(x * x + y * y + z * z)
+    half = 0.5 * math.sin(0.5 * angle) / (0.5 * angle) if angle > 1e-8 else 0.5
+    c, x, y, z = math.cos(0.5 * angle), half * x, half * y, half * z
+    q0, q1, q2, q3 = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
+    w = q0 * c - q1 * x - q2 * y - q3 * z
+    a = q0 * x + q1 * c + q2 * z - q3 * y
+    b = q0 * y - q1 * z + q2 * c + q3 * x
+    d = q0 * z + q1 * y - q2 * x + q3 * c
+    over = 1.0 / math.sqrt(w * w + a * a + b * b + d * d)
+    quaternion[0], quaternion[1], quaternion[2], quaternion[3] = w * over, a * over, b * over, d * over
 
 
 @kernel

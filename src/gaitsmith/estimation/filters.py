@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
+from gaitsmith.dynamics.rotation import turn_quaternion
 from gaitsmith.estimation.measurement import Measurement
 
 if TYPE_CHECKING:
@@ -166,21 +167,6 @@ def filter_joints(gains: EstimatorGains, state: EstimatorState, angles: Vector, 
 
 
 @kernel
-def _turn(quaternion: Vector, x: float, y: float, z: float) -> None:
-    """Multiply a quaternion from the right by the rotation vector (x, y, z), body axes, and normalise it."""
-    angle = math.sqrt(x * x + y * y + z * z)
-    half = 0.5 * math.sin(0.5 * angle) / (0.5 * angle) if angle > 1e-8 else 0.5
-    c, x, y, z = math.cos(0.5 * angle), half * x, half * y, half * z
-    q0, q1, q2, q3 = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
-    w = q0 * c - q1 * x - q2 * y - q3 * z
-    a = q0 * x + q1 * c + q2 * z - q3 * y
-    b = q0 * y - q1 * z + q2 * c + q3 * x
-    d = q0 * z + q1 * y - q2 * x + q3 * c
-    over = 1.0 / math.sqrt(w * w + a * a + b * b + d * d)
-    quaternion[0], quaternion[1], quaternion[2], quaternion[3] = w * over, a * over, b * over, d * over
-
-
-@kernel
 def turn_to_torso(gains: EstimatorGains, state: EstimatorState, measurement: Measurement) -> None:
     """The IMU's readings in torso axes, whichever way it is mounted."""
     for i in range(3):
@@ -194,13 +180,13 @@ def turn_to_torso(gains: EstimatorGains, state: EstimatorState, measurement: Mea
 def filter_attitude(gains: EstimatorGains, state: EstimatorState, measurement: Measurement, dt: float) -> None:
     """Turn with the gyro, then a Kalman share of the way to the measured attitude."""
     rate, q, m = state.angular_velocity, state.quaternion, measurement.base_quaternion
-    _turn(q, state.gyro[0] * dt, state.gyro[1] * dt, state.gyro[2] * dt)
+    turn_quaternion(q, state.gyro[0] * dt, state.gyro[1] * dt, state.gyro[2] * dt)
     predicted = state.attitude_variance[0] + (gains.gyro * dt) ** 2
     gain = predicted / (predicted + gains.attitude**2)
     state.attitude_variance[0] = (1.0 - gain) * predicted
     w = q[0] * m[0] + q[1] * m[1] + q[2] * m[2] + q[3] * m[3]
     share = 2.0 * gain / (w if abs(w) > 0.1 else math.copysign(0.1, w))
-    _turn(
+    turn_quaternion(
         q,
         share * (q[0] * m[1] - q[1] * m[0] - q[2] * m[3] + q[3] * m[2]),
         share * (q[0] * m[2] + q[1] * m[3] - q[2] * m[0] - q[3] * m[1]),

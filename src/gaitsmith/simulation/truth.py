@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, bind, kernel
+from gaitsmith.dynamics.rotation import turn_quaternion, world_to_heading
 
 
 class Truth(NamedTuple):
@@ -215,15 +216,15 @@ def observe(address: int) -> None:
     torso = geometry.torso
     rotation = world.xmat[torso]
     yaw = math.atan2(rotation[3], rotation[0])
-    cos_yaw, sin_yaw = math.cos(yaw), math.sin(yaw)
     velocity_x, velocity_y, velocity_z = world.qvel[0], world.qvel[1], world.qvel[2]
     for j in range(3, geometry.nv):
         row = geometry.row_address[j]
         velocity_x += world.M[row] * world.qvel[j] / geometry.mass
         velocity_y += world.M[row + 1] * world.qvel[j] / geometry.mass
         velocity_z += world.M[row + 2] * world.qvel[j] / geometry.mass
-    truth.com_velocity[0] = cos_yaw * velocity_x + sin_yaw * velocity_y
-    truth.com_velocity[1] = cos_yaw * velocity_y - sin_yaw * velocity_x
+    truth.com_velocity[0], truth.com_velocity[1] = world_to_heading(
+        math.cos(yaw), math.sin(yaw), velocity_x, velocity_y
+    )
     truth.com_velocity[2] = velocity_z
     for i in range(3):
         truth.torso[i] = world.xpos[torso, i]
@@ -273,10 +274,4 @@ def read_sensors(address: int, noisy: int) -> None:
         out.joint_position[j] = (
             math.floor(angle / out.encoder_step + 0.5) * out.encoder_step if out.encoder_step > 0.0 else angle
         )
-    w, x, y, z = world.qpos[3], world.qpos[4], world.qpos[5], world.qpos[6]
-    a, b, c = 0.5 * noise[6], 0.5 * noise[7], 0.5 * noise[8]
-    scale = 1.0 / math.sqrt(1.0 + a * a + b * b + c * c)
-    out.base_quaternion[0] = scale * (w - x * a - y * b - z * c)
-    out.base_quaternion[1] = scale * (x + w * a + y * c - z * b)
-    out.base_quaternion[2] = scale * (y + w * b + z * a - x * c)
-    out.base_quaternion[3] = scale * (z + w * c + x * b - y * a)
+    turn_quaternion(out.base_quaternion, noise[6], noise[7], noise[8])
