@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.dynamics.rotation import axis_angle_entries, product_entries, rotation_entries
+from gaitsmith.dynamics.rotation import axis_angle_entries, entries, product_entries, rotation_entries, turned
 from gaitsmith.dynamics.tree import BALL, FREE, HINGE, SLIDE, Tree, TreeState
 
 
@@ -41,13 +41,10 @@ def forward_kinematics(tree: Tree, state: TreeState, q: Vector) -> None:
         p = rotation[up]
         o = tree.body_offset[body]
         t = tree.body_turn[body]
-        px = position[up, 0] + p[0, 0] * o[0] + p[0, 1] * o[1] + p[0, 2] * o[2]
-        py = position[up, 1] + p[1, 0] * o[0] + p[1, 1] * o[1] + p[1, 2] * o[2]
-        pz = position[up, 2] + p[2, 0] * o[0] + p[2, 1] * o[1] + p[2, 2] * o[2]
-        r = product_entries(
-            (p[0, 0], p[0, 1], p[0, 2], p[1, 0], p[1, 1], p[1, 2], p[2, 0], p[2, 1], p[2, 2]),
-            (t[0, 0], t[0, 1], t[0, 2], t[1, 0], t[1, 1], t[1, 2], t[2, 0], t[2, 1], t[2, 2]),
-        )
+        r = entries(p)
+        dx, dy, dz = turned(r, o[0], o[1], o[2])
+        px, py, pz = position[up, 0] + dx, position[up, 1] + dy, position[up, 2] + dz
+        r = product_entries(r, entries(t))
         first = tree.body_joint[body]
         for joint in range(first, first + tree.body_joint_count[body]):
             kind, i, dof = tree.joint_kind[joint], tree.joint_q[joint], tree.joint_v[joint]
@@ -62,18 +59,15 @@ def forward_kinematics(tree: Tree, state: TreeState, q: Vector) -> None:
                 _set_turning(motion, dof + 5, r[2], r[5], r[8], px - rx, py - ry, pz - rz)
                 continue
             x, y, z = tree.joint_axis[joint, 0], tree.joint_axis[joint, 1], tree.joint_axis[joint, 2]
-            wx = r[0] * x + r[1] * y + r[2] * z
-            wy = r[3] * x + r[4] * y + r[5] * z
-            wz = r[6] * x + r[7] * y + r[8] * z
+            wx, wy, wz = turned(r, x, y, z)
             if kind == SLIDE:
                 travel = q[i] - tree.joint_zero[joint]
                 px, py, pz = px + wx * travel, py + wy * travel, pz + wz * travel
                 _set_sliding(motion, dof, wx, wy, wz)
                 continue
             ax, ay, az = tree.joint_anchor[joint, 0], tree.joint_anchor[joint, 1], tree.joint_anchor[joint, 2]
-            cx = px + r[0] * ax + r[1] * ay + r[2] * az
-            cy = py + r[3] * ax + r[4] * ay + r[5] * az
-            cz = pz + r[6] * ax + r[7] * ay + r[8] * az
+            dx, dy, dz = turned(r, ax, ay, az)
+            cx, cy, cz = px + dx, py + dy, pz + dz
             if kind == HINGE:
                 _set_turning(motion, dof, wx, wy, wz, cx - rx, cy - ry, cz - rz)
                 r = product_entries(r, axis_angle_entries(x, y, z, q[i] - tree.joint_zero[joint]))
@@ -82,9 +76,8 @@ def forward_kinematics(tree: Tree, state: TreeState, q: Vector) -> None:
                 _set_turning(motion, dof, r[0], r[3], r[6], cx - rx, cy - ry, cz - rz)
                 _set_turning(motion, dof + 1, r[1], r[4], r[7], cx - rx, cy - ry, cz - rz)
                 _set_turning(motion, dof + 2, r[2], r[5], r[8], cx - rx, cy - ry, cz - rz)
-            px = cx - (r[0] * ax + r[1] * ay + r[2] * az)
-            py = cy - (r[3] * ax + r[4] * ay + r[5] * az)
-            pz = cz - (r[6] * ax + r[7] * ay + r[8] * az)
+            dx, dy, dz = turned(r, ax, ay, az)
+            px, py, pz = cx - dx, cy - dy, cz - dz
         b = rotation[body]
         b[0, 0], b[0, 1], b[0, 2] = r[0], r[1], r[2]
         b[1, 0], b[1, 1], b[1, 2] = r[3], r[4], r[5]

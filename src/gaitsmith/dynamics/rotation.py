@@ -40,6 +40,12 @@ def rotation_entries(w: float, x: float, y: float, z: float) -> tuple[float, ...
 
 
 @kernel
+def entries(m: Matrix) -> tuple[float, ...]:
+    """The nine entries of a 3 x 3 matrix, row by row."""
+    return (m[0, 0], m[0, 1], m[0, 2], m[1, 0], m[1, 1], m[1, 2], m[2, 0], m[2, 1], m[2, 2])
+
+
+@kernel
 def product_entries(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
     """Entries, row by row, of the product of two 3 x 3 matrices given in the same way."""
     return (
@@ -53,6 +59,12 @@ def product_entries(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, 
         a[6] * b[1] + a[7] * b[4] + a[8] * b[7],
         a[6] * b[2] + a[7] * b[5] + a[8] * b[8],
     )
+
+
+@kernel
+def turned(r: tuple[float, ...], x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A vector turned by a rotation given as nine entries row by row."""
+    return r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z
 
 
 @kernel

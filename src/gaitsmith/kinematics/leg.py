@@ -6,13 +6,13 @@ joints' own displacements times the sole's zero pose.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
+from gaitsmith.dynamics.rotation import axis_angle_entries, product_entries, turned
 from gaitsmith.dynamics.tree import HINGE, SLIDE, read_tree
 from gaitsmith.errors import BadInput
 
@@ -63,59 +63,30 @@ def leg_forward(kin: LegKinematics, q: Vector, position: Vector, rotation: Matri
         rotation: (3, 3) receives the rotation sole frame to torso frame.
         jacobian: (6, n) receives linear velocity of the origin and angular velocity, both in torso axes, per joint.
     """
-    r00, r01, r02, r10, r11, r12, r20, r21, r22 = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+    r: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     px = py = pz = 0.0
     n = q.shape[0]
     for j in range(n):
         ax, ay, az = kin.anchor[j, 0], kin.anchor[j, 1], kin.anchor[j, 2]
         ux, uy, uz = kin.axis[j, 0], kin.axis[j, 1], kin.axis[j, 2]
-        cx = px + r00 * ax + r01 * ay + r02 * az
-        cy = py + r10 * ax + r11 * ay + r12 * az
-        cz = pz + r20 * ax + r21 * ay + r22 * az
-        wx = r00 * ux + r01 * uy + r02 * uz
-        wy = r10 * ux + r11 * uy + r12 * uz
-        wz = r20 * ux + r21 * uy + r22 * uz
+        dx, dy, dz = turned(r, ax, ay, az)
+        cx, cy, cz = px + dx, py + dy, pz + dz
+        wx, wy, wz = turned(r, ux, uy, uz)
         travel = q[j] - kin.zero[j]
         jacobian[3, j], jacobian[4, j], jacobian[5, j] = wx, wy, wz
         jacobian[0, j], jacobian[1, j], jacobian[2, j] = cx, cy, cz
         if kin.slides[j] == 1:
             px, py, pz = px + travel * wx, py + travel * wy, pz + travel * wz
             continue
-        s, c = math.sin(travel), math.cos(travel)
-        k = 1.0 - c
-        t00, t01, t02 = c + k * ux * ux, k * ux * uy - s * uz, k * ux * uz + s * uy
-        t10, t11, t12 = k * ux * uy + s * uz, c + k * uy * uy, k * uy * uz - s * ux
-        t20, t21, t22 = k * ux * uz - s * uy, k * uy * uz + s * ux, c + k * uz * uz
-        r00, r01, r02 = (
-            r00 * t00 + r01 * t10 + r02 * t20,
-            r00 * t01 + r01 * t11 + r02 * t21,
-            r00 * t02 + r01 * t12 + r02 * t22,
-        )
-        r10, r11, r12 = (
-            r10 * t00 + r11 * t10 + r12 * t20,
-            r10 * t01 + r11 * t11 + r12 * t21,
-            r10 * t02 + r11 * t12 + r12 * t22,
-        )
-        r20, r21, r22 = (
-            r20 * t00 + r21 * t10 + r22 * t20,
-            r20 * t01 + r21 * t11 + r22 * t21,
-            r20 * t02 + r21 * t12 + r22 * t22,
-        )
-        px = cx - (r00 * ax + r01 * ay + r02 * az)
-        py = cy - (r10 * ax + r11 * ay + r12 * az)
-        pz = cz - (r20 * ax + r21 * ay + r22 * az)
-    sx, sy, sz = kin.sole_position[0], kin.sole_position[1], kin.sole_position[2]
-    px, py, pz = (
-        px + r00 * sx + r01 * sy + r02 * sz,
-        py + r10 * sx + r11 * sy + r12 * sz,
-        pz + r20 * sx + r21 * sy + r22 * sz,
-    )
+        r = product_entries(r, axis_angle_entries(ux, uy, uz, travel))
+        dx, dy, dz = turned(r, ax, ay, az)
+        px, py, pz = cx - dx, cy - dy, cz - dz
+    dx, dy, dz = turned(r, kin.sole_position[0], kin.sole_position[1], kin.sole_position[2])
+    px, py, pz = px + dx, py + dy, pz + dz
     position[0], position[1], position[2] = px, py, pz
     for i in range(3):
         x, y, z = kin.sole_rotation[0, i], kin.sole_rotation[1, i], kin.sole_rotation[2, i]
-        rotation[0, i] = r00 * x + r01 * y + r02 * z
-        rotation[1, i] = r10 * x + r11 * y + r12 * z
-        rotation[2, i] = r20 * x + r21 * y + r22 * z
+        rotation[0, i], rotation[1, i], rotation[2, i] = turned(r, x, y, z)
     for j in range(n):
         wx, wy, wz = jacobian[3, j], jacobian[4, j], jacobian[5, j]
         if kin.slides[j] == 1:
