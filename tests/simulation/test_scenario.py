@@ -168,6 +168,14 @@ def test_the_region_holds_a_circle_however_often_it_is_walked():
     assert region.y == pytest.approx((-1.5, 7.5), abs=0.1)
 
 
+def test_the_region_turns_with_the_robot():
+    """A quarter turn in place, then 5 m ahead: to the left of where it began."""
+    changes = [{"time": 11.0, "yaw_rate": 0.0, "speed": [0.5, 0.0]}]
+    region = make_scenario({"yaw_rate": math.pi / 20.0, "changes": changes, "duration": 21.0}).region()
+    assert region.x == pytest.approx((-3.0, 3.0))
+    assert region.y == pytest.approx((-1.5, 6.5))
+
+
 def test_a_robot_that_cannot_turn_says_so():
     for fields, field in (
         ({"yaw_rate": 0.3}, "yaw_rate"),

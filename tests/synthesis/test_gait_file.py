@@ -102,6 +102,8 @@ LOST = object()
         (("phases", 4, "support"), "right", r"phases\[4\]"),
         (("phases", 2, "other_foothold"), None, "other sole stands"),
         (("phases", 0, "limits"), [{"quantity": "toe_x", "low": 2, "high": 1}], "not above the upper"),
+        ((*PIECE, "start"), 0.01, "where the section before ends"),
+        ((*PIECE, "duration"), 0.01, r"sections.*the phase's duration|where the section before ends"),
         ((*PIECE, "joints", 2, 1), HUGE, "finite"),
         ((*PIECE, "joints", 2, 1), True, r"joints\[2\]\[1\].*a finite number"),
         ((*PIECE, "torque", 2, 1), "1", r"torque\[2\]\[1\].*a finite number"),
