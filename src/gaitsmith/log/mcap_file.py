@@ -36,6 +36,7 @@ _ROWS, _TOLD = 1, 2  # channels
 _HEAD = struct.Struct("<BQ")  # opcode and length, before every record
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
+_LEVEL = -1  # of compression: twice as fast as 1, and the file a fiftieth larger
 _LARGEST = 1 << 28  # bytes of a record, packed or unpacked, that is read back
 Event = dict[str, Any]
 
@@ -92,7 +93,7 @@ class ChunkWriter:
 
     def __init__(self, file: BinaryIO, head: Head) -> None:
         self._file, self._at, self.rows = file, 0, 0
-        self._compressor = zstandard.ZstdCompressor(level=1)
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
         text = "".join(f"float64 {name}\n" for name in field_names(head.columns))
         self._schemas = [mcap.Schema(id=1, name=_SCHEMA, encoding="ros2msg", data=text.encode())]
         self._channels = [
@@ -126,10 +127,10 @@ class ChunkWriter:
         messages["stamp"] = messages["published"] = stamps
         messages["sequence"] = np.arange(self._counts[_ROWS], self._counts[_ROWS] + n) % 2**32
         told, told_index = self._told(events, len(self._first))
-        begin = len(self._first) + len(told)
-        content = self._first + told + messages.tobytes()
+        before = self._first + told
+        content: Any = before + messages.tobytes() if before else messages.view(np.uint8)
         index = np.empty((n, 2), "<u8")
-        index[:, 0], index[:, 1] = stamps, begin + messages.dtype.itemsize * np.arange(n)
+        index[:, 0], index[:, 1] = stamps, len(before) + messages.dtype.itemsize * np.arange(n)
         both = np.concatenate([index, told_index])
         packed = self._compressor.compress(content)
         chunk = mcap.Chunk(

@@ -106,7 +106,7 @@ class Recorder:
     ) -> None:
         self.decimation, self.dropped, self.closed = decimation, 0, False
         self._messages = message_rows(len(columns), _CAPACITY)
-        self._rows = self._messages["row"]
+        self._rows = np.zeros((_CAPACITY, len(columns)))
         ends = np.cumsum([len(source) for source in sources]).tolist()
         self._sources = [(slice(end - len(source), end), source) for end, source in zip(ends, sources, strict=True)]
         self._count, self._events = 0, list[Event]()
@@ -153,6 +153,7 @@ class Recorder:
         """
         with deferred():
             kept = self._messages[: self._count]
+            kept["row"] = self._rows[: self._count]
             try:
                 self._writer.write(kept, self._events)
             except OSError as error:

@@ -148,7 +148,7 @@ class Loop:
         if self.over:
             return False
         controller, backend = self.controller, self.backend
-        for order in self.commands.poll(self.time):
+        for order in self.commands.poll(self._clock - self._began):
             self._give(order)
         backend.measure(controller.measurement)
         before = perf_counter_ns()
