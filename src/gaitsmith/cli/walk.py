@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -128,20 +127,22 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
 
 def _draw(folder: Path, simulation: Simulation) -> None:
     """Draw what the log has to show; a figure that cannot be drawn or written takes nothing else with it."""
+    from gaitsmith.cli.display import Display
     from gaitsmith.log import read_log
 
-    try:
-        log = read_log(folder / LOG, last=FIGURE_ROWS)
-        if len(log.rows) < 2:
-            return
-        logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
-        from gaitsmith.view import recording_of, write_figures
+    with Display("drawing figures") as display:
+        try:
+            log = read_log(folder / LOG, last=FIGURE_ROWS)
+            if len(log.rows) < 2:
+                return
+            logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
+            from gaitsmith.view import recording_of, write_figures
 
-        if len(log.rows) == FIGURE_ROWS and log.time[0] > 1.0:
-            warnings.warn(f"the figures show the run from {log.time[0]:.0f} s on; the log has all of it", stacklevel=2)
-        write_figures(recording_of(log, simulation.robot, simulation.wall_times.histogram()), folder)
-    except (GaitsmithError, OSError, MemoryError) as error:
-        warnings.warn(f"figures: {error}; log and summary are in {folder}", stacklevel=2)
+            if len(log.rows) == FIGURE_ROWS and log.time[0] > 1.0:
+                display.say(f"the figures show the run from {log.time[0]:.0f} s on; the log has all of it")
+            write_figures(recording_of(log, simulation.robot, simulation.wall_times.histogram()), folder)
+        except (GaitsmithError, OSError, MemoryError) as error:
+            display.say(f"figures: {error}; log and summary are in {folder}")
 
 
 def _portable(scenario: Scenario) -> Scenario:

@@ -17,7 +17,7 @@ def print_report(summary: Summary, robot: Robot, folder: Path | None) -> None:
     """Print stages, torques against limits, times, and what went wrong, to stdout."""
     console = Printer()
     console.print(stage_table(summary))
-    console.print(torque_table(summary, robot))
+    console.print(joint_table(summary, robot))
     for line in closing_lines(summary):
         console.print(Text(line))
     if summary.fall is not None:
@@ -35,13 +35,15 @@ def stage_table(summary: Summary) -> Table:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     for heading in (
         *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
-        *("roll\n°", "pitch\n°", "height error\nmm"),
+        *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
     ):
         table.add_column(heading, justify="right", no_wrap=True)
     for stage in summary.stages:
         command = "rest" if stage.rest else f"{stage.command.vx:.2f}"
         if not stage.rest and stage.command.vy:
             command += f", {stage.command.vy:.2f}"
+        if not stage.rest and stage.command.yaw_rate:
+            command += f", {stage.command.yaw_rate:+.2f} rad/s"
         table.add_row(
             f"{stage.t0:.1f} to {stage.t1:.1f}",
             command,
@@ -51,25 +53,36 @@ def stage_table(summary: Summary) -> Table:
             f"{stage.roll_deg[0]:+.2f} to {stage.roll_deg[1]:+.2f}",
             f"{stage.pitch_deg[0]:+.2f} to {stage.pitch_deg[1]:+.2f}",
             f"{1e3 * stage.height_error:+.1f}",
+            f"{stage.yaw_rate_error:+.3f}",
         )
     return table
 
 
-def torque_table(summary: Summary, robot: Robot) -> Table:
-    """Peak torque of every joint against its limit."""
-    table = Table(title="joint torques", title_justify="left", box=SIMPLE_HEAD)
+def joint_table(summary: Summary, robot: Robot) -> Table:
+    """Torque and speed of every joint against their limits."""
+    table = Table(title="joints", title_justify="left", box=SIMPLE_HEAD)
     table.add_column("joint")
-    for heading in ("peak\nN·m", "limit\nN·m", "of limit", "at limit\nof ticks"):
+    for heading in (
+        *("torque\nN·m", "limit\nN·m", "of limit", "at limit\nof ticks", "largest step\nN·m in 1 tick"),
+        *("speed\nrad/s", "limit\nrad/s", "over limit\nof ticks"),
+    ):
         table.add_column(heading, justify="right", no_wrap=True)
-    for name, limit in zip(robot.joint_names, robot.torque_limit, strict=True):
-        peak, saturated = summary.torque_peak[name], summary.torque_saturated[name]
+    limits = zip(robot.joint_names, robot.torque_limit, robot.velocity_limit, strict=True)
+    for name, most, fastest in limits:
+        peak, saturated, over = (
+            of[name] for of in (summary.torque_peak, summary.torque_saturated, summary.velocity_over)
+        )
         table.add_row(
             name,
             f"{peak:.1f}",
-            f"{limit:.0f}",
-            f"{100 * peak / limit:.0f} %",
+            f"{most:.0f}",
+            f"{100 * peak / most:.0f} %",
             f"{100 * saturated:.2f} %",
-            style="red" if saturated > 0.0 else None,
+            f"{summary.torque_step_max[name]:.1f}",
+            f"{summary.velocity_peak[name]:.2f}",
+            f"{fastest:.1f}",
+            f"{100 * over:.2f} %",
+            style="red" if saturated > 0.0 or over > 0.0 else None,
         )
     return table
 
@@ -79,11 +92,16 @@ def closing_lines(summary: Summary) -> list[str]:
     tick, qp = summary.tick_us, summary.qp
     lines = [
         f"walked {summary.distance:.2f} m in {summary.steps} steps; farthest from the start {summary.drift:.3f} m; "
-        f"yaw {summary.yaw_deg[0]:+.1f} to {summary.yaw_deg[1]:+.1f}°",
+        f"heading {summary.heading_deg[0]:+.1f} to {summary.heading_deg[1]:+.1f}°",
         f"foot separation at least {100 * summary.min_foot_separation:.1f} cm; leg contacts {summary.leg_contacts}",
         f"tick {tick.median:.1f} µs median, {tick.p99:.1f} µs in 99 %, {tick.max:.0f} µs longest, "
         f"{tick.overruns} over the control period",
         f"whole-body QP: {qp.solves} solved, {qp.fallbacks} fallbacks, {qp.infeasible} infeasible",
         f"{summary.duration:.2f} s simulated, {summary.realtime_factor:.1f} times real time",
     ]
+    if summary.log is not None:
+        lines.append(f"log: {summary.log.rows} rows, {summary.log.dropped} dropped")
+    refused = ", ".join(f"{count} of {sensor}" for sensor, count in summary.refused.items() if count)
+    if refused:
+        lines.append(f"ticks with unusable readings: {refused}")
     return lines + [f"physics engine: {warning}" for warning in summary.warnings]
