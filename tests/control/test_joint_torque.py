@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.control.walking import parameters, records, robot
+from tests.control.walking import Held, parameters
 
-from gaitsmith.control.joint_torque import bounded_torque, make_joint_feedback
+from gaitsmith.control.joint_torque import bounded_torque, braked_torque, held_torque, make_joint_feedback
 
 anything = st.floats(allow_nan=True, allow_infinity=True)
 limits = st.floats(0.0, 1e4)
@@ -36,27 +36,46 @@ def test_what_is_not_a_number_is_no_torque() -> None:
 
 
 def test_rows_are_swing_and_stance() -> None:
+    """An empty list is no gain."""
     gains = parameters("bhr_b2", "paper").joint_gains
-    feedback = make_joint_feedback(gains)
+    feedback = make_joint_feedback(gains, 4)
     np.testing.assert_array_equal(feedback.stiffness, [gains.swing_stiffness, gains.stance_stiffness])
     np.testing.assert_array_equal(feedback.damping, [gains.swing_damping, gains.stance_damping])
+    silent = make_joint_feedback(parameters("thbip_ii").joint_gains, 6)
+    assert not np.any([silent.stiffness, silent.damping])
 
 
-@pytest.mark.parametrize("preset", ["default", "paper"])
-def test_pd_of_the_leg_in_its_role(preset: str) -> None:
-    """Walking: the gains of stance or swing; standing: the feedforward alone."""
-    gains, machine, worked = parameters("bhr_b2", preset).joint_gains, robot("bhr_b2"), 0.0
-    for record in records("bhr_b2", preset):
-        control, step = record.groups.control, record.groups.step
-        expected = record.groups.whole_body.torque.copy()
-        if step.mode[0] == 1:
-            for row, leg in enumerate(machine.legs):
-                role = "stance" if row == step.stance[0] else "swing"
-                stiffness, damping = (np.array(getattr(gains, f"{role}_{kind}")) for kind in ("stiffness", "damping"))
-                own = leg.joint_indices
-                expected[own] += stiffness * (control.joint_reference[own] - control.q[7 + own])
-                expected[own] += damping * (control.joint_rate[own] - control.v[6 + own])
-        worked = max(worked, float(np.max(np.abs(expected - record.groups.whole_body.torque))))
-        expected = np.clip(expected, -machine.torque_limit, machine.torque_limit)
-        np.testing.assert_allclose(control.torque, expected, rtol=0.0, atol=1e-10)
-    assert (worked > 1.0) == (preset == "paper")
+def test_pd_of_the_leg_in_its_role() -> None:
+    """The gains of swing or stance on the difference from the reference, on top of the feedforward."""
+    held = Held(chosen=parameters("bhr_b2", "paper", standing={"weight_shift": False}))
+    held.controller.walk()
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        held.stance_only()
+    gains, control = held.controller.parameters.joint_gains, held.groups.control
+    last = control.torque.copy()
+    held.q[7:] += rng.uniform(-0.01, 0.01, 8)
+    held.stance_only()
+    expected = held.groups.body.torque.copy()
+    for row, leg in enumerate(held.robot.legs):
+        role = "stance" if row == held.groups.step.stance[0] else "swing"
+        stiffness, damping = (np.array(getattr(gains, f"{role}_{kind}")) for kind in ("stiffness", "damping"))
+        own, joint = leg.joint_indices, held.groups.reference.joint
+        expected[own] += stiffness * (joint[0, own] - control.q[7 + own]) + damping * (
+            joint[1, own] - control.v[6 + own]
+        )
+    assert np.max(np.abs(expected - held.groups.body.torque)) > 1.0
+    step = float(held.groups.joint_bounds.torque_step[0])
+    limit = held.robot.torque_limit
+    np.testing.assert_allclose(control.torque, np.clip(np.clip(expected, -limit, limit), last - step, last + step))
+
+
+@given(limits, st.floats(-100.0, 100.0), st.floats(-3.0, 3.0))
+def test_brakes_and_holds_act_against_the_motion(limit: float, speed: float, error: float) -> None:
+    """Inside the limit; a joint that is held is drawn back with a torque that grows with the error."""
+    brake, hold = 0.05, 0.5
+    assert braked_torque(limit, speed, brake) * speed <= 0.0
+    assert abs(braked_torque(limit, speed, brake)) == pytest.approx(limit * min(brake * abs(speed), 1.0))
+    held = held_torque(limit, error, 0.0, hold, brake)
+    assert held == pytest.approx(limit * float(np.clip(error / hold, -1.0, 1.0)))
+    assert abs(held_torque(limit, error, speed, hold, brake)) <= limit

@@ -52,8 +52,8 @@ def run(state: str, faults: list[tuple[int, str, int, float]]) -> tuple[np.ndarr
 
 def remembered(walk: Loop) -> dict[str, np.ndarray]:
     """All arrays that one tick leaves for the next."""
-    groups = walk.controller._groups
-    names = ("step", "control", "whole_body", "estimator", "latched", "telemetry")
+    groups = walk.groups
+    names = ("step", "control", "body", "estimator", "latched", "telemetry")
     return {
         f"{name}.{field}": getattr(getattr(groups, name), field)
         for name in names
@@ -70,7 +70,7 @@ def assert_recovered(walk: Loop) -> None:
     """Nothing that is remembered is poisoned, and the whole-body QP solves again."""
     poisoned = [name for name, array in remembered(walk).items() if not np.isfinite(array).all()]
     assert not poisoned
-    assert walk.controller._groups.whole_body.counts[3] == 0
+    assert walk.groups.body.status[0] == 0
 
 
 def faults(state: str, values: tuple[float, ...]) -> st.SearchStrategy[Any]:
@@ -89,8 +89,11 @@ def test_missing_readings(state: str, data: st.DataObject) -> None:
     torques, walk = run(state, chosen)
     assert_bounded(torques, walk)
     assert_recovered(walk)
-    assert walk.controller._groups.control.counts[0] == len({fault[0] for fault in chosen})
+    assert walk.groups.control.refused_ticks[0] == len({fault[0] for fault in chosen})
     assert np.max(np.abs(walk.controller.telemetry.tilt[:2])) < 0.3
+    seen = {(fault[0], fault[1]) for fault in chosen}
+    for name, count in zip(Measurement._fields, walk.groups.control.refused, strict=True):
+        assert count == len([tick for tick, field in seen if field == name])
 
 
 @states
@@ -125,7 +128,7 @@ def test_the_torque_that_is_held_fades() -> None:
         assert (np.abs(torque) <= np.abs(last)).all()
         last = torque
     assert np.max(np.abs(last)) < 0.01
-    assert walk.controller._groups.control.counts[0] == 500
+    assert walk.groups.control.refused_ticks[0] == 500
 
 
 @states
@@ -135,4 +138,4 @@ def test_what_is_not_read_does_not_matter(state: str) -> None:
     expected, _ = run(state, [])
     actual, walk = run(state, [(tick, field, 1, float("nan")) for tick in range(20, 100) for field in unread])
     np.testing.assert_array_equal(actual, expected)
-    assert walk.controller._groups.control.counts[0] == 0
+    assert walk.groups.control.refused_ticks[0] == 0
