@@ -45,7 +45,7 @@ class ControlState(NamedTuple):
         q: (7 + nj,) true or estimated configuration.
         v: (6 + nj,) true or estimated velocity.
         torque: (nj,) last torque sent, N·m.
-        held: (nj,) joint angles held in the air, rad.
+        held: (nj,) joint angles in which the robot last stood on the ground, held in the air, rad.
         refused: (8,) ticks refused for the readings of each sensor, in the order of :class:`Measurement`.
         refused_ticks: (1,) ticks refused.
         estimated: (1,) 1 if the state is estimated from sensors.

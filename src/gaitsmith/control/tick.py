@@ -17,6 +17,7 @@ from gaitsmith.whole_body.frames import observe_frames
 from gaitsmith.whole_body.solve import solve_whole_body
 
 _DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
+_LIFTED = 0.25  # of a step's period without load after which a robot that stood hangs in the air
 
 
 @kernel
@@ -74,13 +75,14 @@ def _choose_state(table: int) -> None:
     for leg in range(g.legs.side.shape[0]):
         loaded = loaded or g.measurement.sole_force[leg] > g.gains.contact_force
     control.unloaded[0] = 0.0 if loaded else control.unloaded[0] + g.gains.dt
+    if control.sent[0] == 0 or (loaded and control.state[0] == STANDING):
+        for j in range(control.held.shape[0]):
+            control.held[j] = control.q[7 + j]
+    patience = g.latched.period[0] * (1.0 if step.mode[0] == WALK else _LIFTED)
     if control.asked[0] != STANDING:
         control.state[0] = control.asked[0]
         step.mode[0] = STAND
-    elif control.unloaded[0] > g.latched.period[0]:
-        if control.state[0] != AIRBORNE:
-            for j in range(control.held.shape[0]):
-                control.held[j] = control.q[7 + j]
+    elif control.unloaded[0] > patience:
         control.state[0] = AIRBORNE
         step.mode[0] = STAND
     else:
