@@ -60,6 +60,7 @@ def test_a_walk_with_pushes_is_smooth(name: str, state: str) -> None:
 def test_an_undisturbed_walk_saturates_nothing(name: str) -> None:
     """No torque at its limit, no joint at its stop, no fallback, no step ended by the clock."""
     loop = Loop(name)
+    loop.run(100)
     loop.controller.command(speed=(0.15 * loop.controller.scale.speed, 0.0))
     loop.controller.walk()
     torques = torque_rows(loop, 4000)
