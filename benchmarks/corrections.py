@@ -24,7 +24,9 @@ def raw_closure(planner: Planner, found: PlanResult, settings: Settings) -> tupl
     """Closure errors (mm, m/s, m/s²) of the splines as solved, closed at the knots only."""
     motion = cyclic(planner.biped, StepParameters(0.20, 0.5))
     trans = Transcription(planner.biped, motion, settings)
-    points = trans.dense_points(400)
+    ends = zip(trans.borders, trans.borders[1:], strict=False)
+    times = np.concatenate([np.linspace(start, end, 400) for start, end in ends])
+    points = trans.instants(np.repeat(np.arange(len(motion.phases)), 400), times)
     z = (trans.input_map(points) @ found.x).reshape(points.count, trans.layout.inputs).T
     o = planner.functions.evaluate(z, trans.pivots[points.phase].T)
     layout, worst = PointLayout(planner.biped.joints), [0.0, 0.0, 0.0]

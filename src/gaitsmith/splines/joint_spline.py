@@ -40,10 +40,6 @@ class JointSpline:
         row = bernstein(self.degree, s, derivative) @ self.sections[section] / span**derivative
         return np.asarray(row)
 
-    def section_at(self, t: float) -> int:
-        """Section that holds ``t``; the later one at a knot."""
-        return int(np.clip(np.searchsorted(self.knots, t, side="right") - 1, 0, len(self.knots) - 2))
-
 
 def _bezier_maps(knots: Array, degree: int) -> list[Array]:
     """Per section, the matrix (degree + 1, degree + 1) from B-spline control points to Bernstein coefficients.

@@ -106,16 +106,14 @@ def make_program(
     if imposed is None:
         imposed = every_bound(trans, points)
     where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
-    shares = trans.shares(
-        np.array([item.phase for item in imposed]), np.array([item.time for item in imposed])
-    ).tolist()
-    entries = rows.entries(inputs)
+    times = np.array([item.time for item in imposed])
+    shares = trans.share(np.array([item.phase for item in imposed], dtype=np.int64), times).tolist()
     for item, share in zip(imposed, shares, strict=True):
         bound = trans.bounds[item.phase][item.bound]
         constant = 0.0 if bound.rise else bound.constant
         label = Label(bound.name, bound.unit, item.phase, item.time, bound.span, constant, bound.sine, bound.kind)
-        rows.add_bound(bound, label, where[item.phase, round(item.time, 9)], share, entries, item.tighten)
-    c, d = rows.matrices(points.count)
+        rows.add_bound(bound, label, where[item.phase, round(item.time, 9)], share, item.tighten)
+    c, d = rows.matrices(inputs)
     return Program(
         functions=functions,
         points=points,

@@ -9,11 +9,9 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.layout import PointLayout
-from gaitsmith.synthesis.program.bounds import Kind, PhaseBound, shown
+from gaitsmith.synthesis.program.bounds import Form, Kind, PhaseBound, shown
 
 Array = npt.NDArray[np.float64]
-
-Entries = tuple[list[int], list[int], list[float]]
 
 
 @dataclass(frozen=True)
@@ -39,7 +37,7 @@ class Label:
 
 @dataclass
 class Rows:
-    """low <= C vec(O) + D x <= high; O is (outputs, K), column by column.
+    """low <= C vec(O) + D x <= high; O (outputs, K) and Z (inputs, K), linear in x, are taken column by column.
 
     Bounds whose range is large are divided by ``span`` so that all rows have comparable size.
     """
@@ -49,26 +47,21 @@ class Rows:
     low: list[float] = field(default_factory=list)
     high: list[float] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
-    _out: list[tuple[int, int, float]] = field(default_factory=list)
-    _lin: list[tuple[int, int, float]] = field(default_factory=list)
-
-    @property
-    def count(self) -> int:
-        """Number of rows."""
-        return len(self.low)
+    _entries: tuple[list[tuple[int, int, float]], ...] = field(default_factory=lambda: ([], [], []))
 
     def add(
         self,
         label: Label,
         low: float,
         high: float,
-        out: dict[int, float] | None = None,
-        lin: dict[int, float] | None = None,
+        out: Form | None = None,
+        lin: Form | None = None,
+        inp: Form | None = None,
     ) -> None:
-        """Append a row; ``out`` maps indices of vec(O), ``lin`` those of x, to factors."""
-        row = self.count
-        self._out += [(row, index, value) for index, value in (out or {}).items() if value]
-        self._lin += [(row, index, value) for index, value in (lin or {}).items() if value]
+        """Append a row: factors by index of vec(O), of x, and of vec(Z)."""
+        row = len(self.low)
+        for entries, form in zip(self._entries, (out, lin, inp), strict=True):
+            entries += [(row, index, value) for index, value in (form or {}).items() if value]
         self.low.append(low)
         self.high.append(high)
         self.labels.append(label)
@@ -80,43 +73,24 @@ class Rows:
             lin = dict(zip(matrix.indices[begin:end].tolist(), matrix.data[begin:end].tolist(), strict=True))
             self.add(label, float(values[k]), float(values[k]), lin=lin)
 
-    def add_bound(
-        self, bound: PhaseBound, label: Label, point: int, share: float, inputs: Entries, tighten: float = 0.0
-    ) -> None:
+    def add_bound(self, bound: PhaseBound, label: Label, point: int, share: float, tighten: float = 0.0) -> None:
         """Append a bound at a point, divided by its span; ``share``: normalised time; ``tighten``: part of the span."""
-        row = self.count
         constant = bound.constant if not bound.rise else float(bound.offset(np.array(share)))
-        scale = 1.0 / bound.span
-        base = point * self.layout.outputs
-        self._out += [(row, base + index, value * scale) for index, value in bound.out.items()]
-        starts, columns, values = inputs
-        for index, value in bound.inp.items():
-            k = point * self.layout.inputs + index
-            part = slice(starts[k], starts[k + 1])
-            # Columns that occur twice are summed when the matrix is built.
-            self._lin += [(row, c, value * scale * v) for c, v in zip(columns[part], values[part], strict=True) if v]
-        low = (bound.low - constant) * scale + tighten
-        high = (bound.high - constant) * scale - tighten
+        low, high = ((limit - constant) / bound.span for limit in (bound.low, bound.high))
+        low, high = low + tighten, high - tighten
         if low > high:
             low = high = 0.5 * (low + high)
-        self.low.append(low)
-        self.high.append(high)
-        self.labels.append(label)
+        out = {point * self.layout.outputs + index: value / bound.span for index, value in bound.out.items()}
+        inp = {point * self.layout.inputs + index: value / bound.span for index, value in bound.inp.items()}
+        self.add(label, low, high, out, inp=inp)
 
-    @staticmethod
-    def entries(inputs: sp.csr_matrix) -> Entries:
-        """The input map as plain lists, which are read faster one by one."""
-        return inputs.indptr.tolist(), inputs.indices.tolist(), inputs.data.tolist()
-
-    def matrices(self, points: int) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """C (rows, outputs * points) and D (rows, size)."""
-
-        def build(entries: list[tuple[int, int, float]], columns: int) -> sp.csr_matrix:
-            if not entries:
-                return sp.csr_matrix((self.count, columns))
-            table = np.array(entries)
-            return sp.csr_matrix(
-                (table[:, 2], (table[:, 0].astype(np.int64), table[:, 1].astype(np.int64))), shape=(self.count, columns)
-            )
-
-        return build(self._out, self.layout.outputs * points), build(self._lin, self.size)
+    def matrices(self, inputs: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """C (rows, outputs * K) and D (rows, size), with the map from x to vec(Z) (inputs * K, size)."""
+        points = inputs.shape[0] // self.layout.inputs
+        found = []
+        columns = (self.layout.outputs * points, self.size, inputs.shape[0])
+        for entries, width in zip(self._entries, columns, strict=True):
+            row, index, value = np.array(entries, dtype=np.float64).reshape(-1, 3).T
+            places = row.astype(np.int64), index.astype(np.int64)
+            found.append(sp.csr_matrix((value, places), shape=(len(self.low), width)))
+        return found[0], sp.csr_matrix(found[1] + found[2] @ inputs)

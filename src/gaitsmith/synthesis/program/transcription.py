@@ -99,28 +99,17 @@ class Transcription:
                     weight.append(w * (b - a))
         return Points(np.array(phase), np.array(section), np.array(time), np.array(weight))
 
-    def dense_points(self, count: int) -> Points:
-        """``count`` equally spaced points a phase, ends included."""
-        phase, section, time = [], [], []
-        borders = self.motion.borders
-        for index in range(len(self.motion.phases)):
-            times = np.linspace(borders[index], borders[index + 1], count)
-            last = self.first_section[index] + self.motion.phases[index].sections - 1
-            for t in times:
-                phase.append(index)
-                section.append(min(max(self.spline.section_at(t), self.first_section[index]), last))
-                time.append(t)
-        return Points(np.array(phase), np.array(section), np.array(time), np.zeros(len(time)))
+    def instants(self, phases: Indices | int, times: Array) -> Points:
+        """Points without weight at times (K,) in phases, (K,) or one for all; a border belongs to either phase."""
+        phase = np.broadcast_to(phases, times.shape).astype(np.int64)
+        first = np.array(self.first_section)[phase]
+        last = first + np.array([item.sections for item in self.motion.phases])[phase] - 1
+        section = np.clip(np.searchsorted(self.spline.knots, times, side="right") - 1, first, last)
+        return Points(phase, section, times, np.zeros(len(times)))
 
-    def share(self, phase: int, times: Array) -> Array:
-        """Normalised time in a phase, 0 to 1."""
-        start = self.borders[phase]
-        return np.asarray(np.clip((times - start) / self.motion.phases[phase].duration, 0.0, 1.0))
-
-    def shares(self, phases: Indices, times: Array) -> Array:
-        """Normalised times of instants in different phases."""
-        lengths = np.diff(self.borders)[phases]
-        return np.asarray(np.clip((times - self.borders[phases]) / lengths, 0.0, 1.0))
+    def share(self, phases: Indices | int, times: Array) -> Array:
+        """Normalised times in their phases, 0 to 1."""
+        return np.asarray(np.clip((times - self.borders[phases]) / np.diff(self.borders)[phases], 0.0, 1.0))
 
     def wrench_columns(self, phase: int) -> Indices:
         """(6, 4) unknowns that hold the Bernstein coefficients of u in a phase of double support."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -64,29 +64,21 @@ def sweep_row(robot: str, speed: float, periods: tuple[float, ...]) -> list[Cell
     neighbour: PlanResult | None = None
     for period in periods:
         length = speed * period
-        if length > REACH + 1e-9:
-            cells.append(Cell(speed, period, length, False, "beyond reach", f"a step of {length:.3f} m"))
-            continue
-        begin = time.perf_counter()
-        motion = cyclic(planner.biped, StepParameters(length, period))
-        found = planner.plan(motion, settings, neighbour=neighbour)
-        if found.gait is None and neighbour is not None:
-            found = planner.plan(motion, settings)
-        spent = time.perf_counter() - begin
-        if found.gait is None:
-            cells.append(
-                Cell(speed, period, length, True, "failed", found.reason, iterations=found.iterations, time_s=spent)
-            )
-            continue
-        neighbour = found
-        verdict = verify(found.gait, loaded)
-        status, reason = ("certified", "") if verdict.ok else ("failed", "; ".join(verdict.problems[:2]))
-        cells.append(
-            Cell(
-                *(speed, period, length, True, status, reason),
-                *(found.objective, found.iterations, spent, verdict.zmp_margin),
-            )
-        )
+        cell = Cell(speed, period, length, length <= REACH + 1e-9, "beyond reach", f"a step of {length:.3f} m")
+        if cell.reachable:
+            begin = time.perf_counter()
+            motion = cyclic(planner.biped, StepParameters(length, period))
+            found = planner.plan(motion, settings, neighbour=neighbour)
+            if found.gait is None and neighbour is not None:
+                found = planner.plan(motion, settings)
+            spent = time.perf_counter() - begin
+            cell = replace(cell, status="failed", reason=found.reason, iterations=found.iterations, time_s=spent)
+            if found.gait is not None:
+                neighbour, verdict = found, verify(found.gait, loaded)
+                status, reason = ("certified", "") if verdict.ok else ("failed", "; ".join(verdict.problems[:2]))
+                margin = verdict.zmp_margin
+                cell = replace(cell, status=status, reason=reason, objective=found.objective, zmp_margin_mm=margin)
+        cells.append(cell)
     return cells
 
 

@@ -155,21 +155,8 @@ def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: 
 def with_times(trans: Transcription, points: Points, imposed: list[ImposedBound]) -> Points:
     """Points with those instants of the imposed bounds added that they lack."""
     have = {(int(p), round(float(t), 9)) for p, t in zip(points.phase, points.time, strict=True)}
-    phase, section, time = [], [], []
-    for item in imposed:
-        key = (item.phase, round(item.time, 9))
-        if key not in have:
-            have.add(key)
-            first = trans.first_section[item.phase]
-            last = first + trans.motion.phases[item.phase].sections - 1
-            phase.append(item.phase)
-            section.append(min(max(trans.spline.section_at(item.time), first), last))
-            time.append(item.time)
-    if not phase:
-        return points
-    return Points(
-        np.concatenate([points.phase, phase]).astype(np.int64),
-        np.concatenate([points.section, section]).astype(np.int64),
-        np.concatenate([points.time, time]),
-        np.concatenate([points.weight, np.zeros(len(time))]),
-    )
+    lacking = {(item.phase, round(item.time, 9)): item.time for item in imposed}
+    added = {key: time for key, time in lacking.items() if key not in have}
+    phases = np.array([phase for phase, _ in added], dtype=np.int64)
+    more = trans.instants(phases, np.array(list(added.values()), dtype=np.float64))
+    return Points(*(np.concatenate(pair) for pair in zip(vars(points).values(), vars(more).values(), strict=True)))

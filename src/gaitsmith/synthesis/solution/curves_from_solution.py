@@ -15,7 +15,7 @@ import numpy.typing as npt
 from gaitsmith.splines.polynomial import bernstein_to_power, chebyshev_fit, hermite, polynomial, power_basis
 from gaitsmith.synthesis.gaits.gait import Piece
 from gaitsmith.synthesis.point.functions import PointFunctions
-from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Points, Transcription
+from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Transcription
 
 Array = npt.NDArray[np.float64]
 LocalPiece = tuple[float, float, Array]  # start, duration, joint coefficients in local order
@@ -87,10 +87,7 @@ def _knots(trans: Transcription, phase: int) -> Array:
 
 def _states(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
     """Local inputs (inputs, N) of a phase at times."""
-    first = trans.first_section[phase]
-    last = first + trans.motion.phases[phase].sections - 1
-    section = np.array([min(max(trans.spline.section_at(t), first), last) for t in times])
-    points = Points(np.full(len(times), phase), section, times, np.zeros(len(times)))
+    points = trans.instants(phase, times)
     return np.array((trans.input_map(points) @ x).reshape(len(times), trans.layout.inputs).T)
 
 
