@@ -91,6 +91,7 @@ def main() -> None:
             text=True,
         )
         size = sum(file.stat().st_size for file in Path(f"{folder}/run").rglob("*") if file.is_file()) / 1e6
+    memory = [used for used in memory if used]  # 0 once the process has ended
     settled = memory[len(memory) // 10 :] or [0.0]  # the first tenth loads and compiles
     result = {
         "fell": summary.get("fell"),

@@ -34,6 +34,7 @@ def check(words: list[str], program: str) -> Outcome:
     arguments = parse(CheckArguments, words, program)
     path = Path(arguments.run)
     path = path / LOG if path.is_dir() else path
+    from gaitsmith.cli.printing import Printer
     from gaitsmith.simulation.recovery import summary_of, survey
 
     with open_regular(path) as file:
@@ -48,6 +49,8 @@ def check(words: list[str], program: str) -> Outcome:
             if path.name == LOG and found.rows and not (folder / SUMMARY).exists():
                 write_summary(folder, summary_of(path))
                 repaired.append(SUMMARY)
+    if not found.complete and not running:
+        Printer(stderr=True).print(f"gaitsmith: {path} was cut: whole up to {found.last_time:.3f} s", soft_wrap=True)
     document: dict[str, Any] = {
         "run": arguments.run,
         "rows": found.rows,
@@ -59,8 +62,6 @@ def check(words: list[str], program: str) -> Outcome:
     }
 
     def show() -> None:
-        from gaitsmith.cli.printing import Printer
-
         state = "complete" if found.complete else "still being written" if running else "cut short"
         console = Printer()
         console.print(f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}", soft_wrap=True)

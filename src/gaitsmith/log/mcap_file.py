@@ -105,8 +105,7 @@ class ChunkWriter:
         notes = {"format": FORMAT, **head._asdict()}
         metadata = mcap.Metadata(name=_NOTES, metadata={name: json.dumps(value) for name, value in notes.items()})
         start = _MAGIC + _packed(mcap.Header(profile="", library="gaitsmith"))
-        self._notes_at, packed = len(start), _packed(metadata)
-        self._notes_size = len(packed)
+        self._notes = mcap.MetadataIndex(offset=len(start), length=len(packed := _packed(metadata)), name=_NOTES)
         self._put(start + packed)
         self._first = _packed(*self._schemas, *self._channels)  # the first chunk names the channels
 
@@ -153,9 +152,7 @@ class ChunkWriter:
 
     def finish(self) -> None:
         """Write what lets other programs find their way in the file: it is complete then."""
-        end = _packed(mcap.DataEnd(data_section_crc=0))
-        begin, parts, groups = self._at + len(end), [], []
-        chunks = list(self._chunk_indices())
+        end, chunks = _packed(mcap.DataEnd(data_section_crc=0)), list(self._chunk_indices())
         found = mcap.Statistics(
             attachment_count=0,
             channel_count=len(self._channels),
@@ -167,22 +164,8 @@ class ChunkWriter:
             message_end_time=max((chunk.message_end_time for chunk in chunks), default=0),
             schema_count=len(self._schemas),
         )
-        notes = mcap.MetadataIndex(offset=self._notes_at, length=self._notes_size, name=_NOTES)
-        size = 0
-        for opcode, members in (
-            (Opcode.SCHEMA, self._schemas),
-            (Opcode.CHANNEL, self._channels),
-            (Opcode.STATISTICS, [found]),
-            (Opcode.CHUNK_INDEX, chunks),
-            (Opcode.METADATA_INDEX, [notes]),
-        ):
-            parts.append(_packed(*members))
-            groups.append(
-                mcap.SummaryOffset(group_opcode=opcode, group_start=begin + size, group_length=len(parts[-1]))
-            )
-            size += len(parts[-1])
-        summary = b"".join(parts) + _packed(*groups)
-        places = {"summary_start": begin, "summary_offset_start": begin + size}
+        summary = _packed(*self._schemas, *self._channels, found, *chunks, self._notes)
+        places = {"summary_start": self._at + len(end), "summary_offset_start": 0}
         opening = struct.pack("<BQQQ", Opcode.FOOTER, 20, *places.values())
         footer = mcap.Footer(**places, summary_crc=zlib.crc32(opening, zlib.crc32(summary)))
         self._put(end + summary + _packed(footer) + _MAGIC)

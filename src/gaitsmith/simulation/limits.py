@@ -1,4 +1,4 @@
-"""Limits that a run hits: which, since when, and forgotten once a step has passed without any."""
+"""Limits that a run hits: which, since when, how often; forgotten once a step has passed without any."""
 
 from __future__ import annotations
 
@@ -115,6 +115,26 @@ class Hits(NamedTuple):
     touchdowns_forced: Vector
 
 
+class Joints(NamedTuple):
+    """Per joint over the run.
+
+    Attributes:
+        torque_peak: N·m.
+        torque_saturated: ticks.
+        torque_before: at the tick before, N·m.
+        torque_step: largest change from one tick to the next while walking undisturbed, N·m.
+        velocity_peak: rad/s.
+        velocity_over: ticks beyond the limit.
+    """
+
+    torque_peak: Vector
+    torque_saturated: Vector
+    torque_before: Vector
+    torque_step: Vector
+    velocity_peak: Vector
+    velocity_over: Vector
+
+
 def make_bounds(robot: Robot, parameters: ControlParameters, dt: float) -> Bounds:
     """Limits of a robot and of its controller; ``dt`` is the time from one observation to the next, s."""
     return Bounds(
@@ -154,7 +174,7 @@ def make_hits(joints: tuple[str, ...], soles: tuple[str, ...], dt: float) -> tup
 
 
 @kernel
-def is_saturated(torque: float, limit: float) -> bool:
+def _is_saturated(torque: float, limit: float) -> bool:
     """Whether a torque counts as at its limit."""
     return abs(torque) >= _SATURATED * limit
 
@@ -164,7 +184,7 @@ def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
     """Which limits are hit at this tick."""
     flags = hits.flags
     for j in range(bounds.torque.shape[0]):
-        flags.torque[j] = 1 if is_saturated(seen.torque[j], bounds.torque[j]) else 0
+        flags.torque[j] = 1 if _is_saturated(seen.torque[j], bounds.torque[j]) else 0
         q = seen.joint_position[j]
         flags.position[j] = 1 if q < bounds.position_low[j] + _STOP or q > bounds.position_high[j] - _STOP else 0
     bounded = seen.foothold_bound[0] > 0.0 and seen.mode[0] > 0.0
@@ -199,3 +219,20 @@ def remember_hits(seen: Seen, bounds: Bounds, hits: Hits, tick: int, stepped: bo
             hits.disturbed[0] = 1
             if hits.first[k] < 0:
                 hits.first[k] = tick - hits.hold[k] + 1
+
+
+@kernel
+def watch_joints(seen: Seen, bounds: Bounds, joints: Joints, quiet: bool) -> None:
+    """Peaks, shares, and steps of the torque; ``quiet`` if nothing has disturbed the robot lately."""
+    undisturbed = quiet and seen.mode[0] > 0.0
+    for j in range(bounds.torque.shape[0]):
+        torque, speed = seen.torque[j], abs(seen.joint_velocity[j])
+        joints.torque_peak[j] = max(joints.torque_peak[j], abs(torque))
+        if _is_saturated(torque, bounds.torque[j]):
+            joints.torque_saturated[j] += 1.0
+        if undisturbed:
+            joints.torque_step[j] = max(joints.torque_step[j], abs(torque - joints.torque_before[j]))
+        joints.torque_before[j] = torque
+        joints.velocity_peak[j] = max(joints.velocity_peak[j], speed)
+        if speed > bounds.velocity[j]:
+            joints.velocity_over[j] += 1.0

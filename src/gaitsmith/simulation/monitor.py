@@ -13,12 +13,13 @@ from gaitsmith.robots.parameters import at_rest, gait_numbers
 from gaitsmith.simulation.limits import (
     Bounds,
     Hits,
+    Joints,
     Seen,
     find_hits,
-    is_saturated,
     make_bounds,
     make_hits,
     remember_hits,
+    watch_joints,
 )
 from gaitsmith.simulation.summary import SCORED, Signals, Span, Stage, StageCommand, measure_stage
 from gaitsmith.simulation.truth import Truth, truth_columns
@@ -66,26 +67,6 @@ class StageTotals(NamedTuple):
     commanded: Vector
 
 
-class Joints(NamedTuple):
-    """Per joint over the run.
-
-    Attributes:
-        torque_peak: N·m.
-        torque_saturated: ticks.
-        torque_before: at the tick before, N·m.
-        torque_step: largest change from one tick to the next while walking undisturbed, N·m.
-        velocity_peak: rad/s.
-        velocity_over: ticks beyond the limit.
-    """
-
-    torque_peak: Vector
-    torque_saturated: Vector
-    torque_before: Vector
-    torque_step: Vector
-    velocity_peak: Vector
-    velocity_over: Vector
-
-
 class Kept(NamedTuple):
     """What the monitor writes.
 
@@ -131,24 +112,6 @@ def _widen(span: Range, value: float) -> None:
 
 
 @kernel
-def _watch_joints(seen: Seen, bounds: Bounds, kept: Kept) -> None:
-    """Peaks, shares, and steps of the torque."""
-    joints = kept.joints
-    undisturbed = seen.mode[0] > 0.0 and kept.ticks[0] >= kept.quiet_from[0]
-    for j in range(bounds.torque.shape[0]):
-        torque, speed = seen.torque[j], abs(seen.joint_velocity[j])
-        joints.torque_peak[j] = max(joints.torque_peak[j], abs(torque))
-        if is_saturated(torque, bounds.torque[j]):
-            joints.torque_saturated[j] += 1.0
-        if undisturbed:
-            joints.torque_step[j] = max(joints.torque_step[j], abs(torque - joints.torque_before[j]))
-        joints.torque_before[j] = torque
-        joints.velocity_peak[j] = max(joints.velocity_peak[j], speed)
-        if speed > bounds.velocity[j]:
-            joints.velocity_over[j] += 1.0
-
-
-@kernel
 def _keep_vitals(seen: Seen, bounds: Bounds, kept: Kept, stance: int) -> None:
     """One tick of an upright robot into the ring and the stage."""
     ring, tick, yaw = kept.ring.signals, kept.ticks[0], seen.attitude[2]
@@ -182,7 +145,7 @@ def _watch(address: int) -> int:
     stepped = seen.step_count[0] > kept.step_count[0]
     find_hits(seen, bounds, kept.hits)
     remember_hits(seen, bounds, kept.hits, kept.ticks[0], stepped)
-    _watch_joints(seen, bounds, kept)
+    watch_joints(seen, bounds, kept.joints, kept.ticks[0] >= kept.quiet_from[0])
     if stepped:
         place = kept.steps[0] % ring.leg.shape[0]
         ring.touchdown[place], ring.leg[place] = kept.ticks[0], stance
