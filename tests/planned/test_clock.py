@@ -7,7 +7,7 @@ from tests.planned.plans import DOUBLE, SINGLE, two_steps
 from gaitsmith.planned.clock import EARLY, FORCED, LATE, ON_TIME, advance, make_plan_clock
 from gaitsmith.planned.table import ENDLESS
 
-DT, FORCE, SHARE, LONGEST = 1e-3, 10.0, 0.6, 0.05
+DT, FORCE, SHARE, WINDOW, LONGEST = 1e-3, 10.0, 0.6, 0.02, 0.05
 STEP = SINGLE + DOUBLE
 
 
@@ -16,7 +16,7 @@ def run(plan, until, lands):
     clock, events = make_plan_clock(), []
     for tick in range(round(until / DT)):
         force = np.full(2, 2.0 * FORCE if lands(tick * DT) else 0.0)
-        event = advance(plan, clock, DT, force, FORCE, SHARE, LONGEST)
+        event = advance(plan, clock, DT, 1.0, force, FORCE, SHARE, WINDOW, LONGEST)
         if event != ON_TIME:
             events.append((event, (tick + 1) * DT))
     return clock, events
@@ -35,6 +35,11 @@ def test_a_sole_that_lands_early_ends_the_swing_and_the_time_is_given_back():
 def test_a_contact_before_its_share_of_the_swing_is_not_a_landing():
     _, events = run(two_steps(), 0.5 * SINGLE, lambda time: True)
     assert events == []
+
+
+def test_a_landing_just_before_its_time_is_on_time():
+    _, events = run(two_steps(), SINGLE + 0.05, lambda time: time > SINGLE - 0.9 * WINDOW)
+    assert events == [(EARLY, pytest.approx(SINGLE, abs=3.0 * DT))]
 
 
 def test_the_clock_waits_for_a_late_landing_and_catches_up():

@@ -8,7 +8,7 @@ from tests.planned.plans import DOUBLE, HEIGHT, JOINTS, SINGLE, STEP, WIDTH, two
 
 from gaitsmith.planned.clock import EARLY, make_plan_clock
 from gaitsmith.planned.evaluate import make_plan_sample
-from gaitsmith.planned.follow import follow, start_following
+from gaitsmith.planned.follow import follow
 from gaitsmith.planned.law import make_following
 from gaitsmith.whole_body.reference import NONE, make_reference
 
@@ -28,7 +28,6 @@ class World:
     def __init__(self, heading=0.0, misses=(0.0, 0.0), offset=(0.0, 0.0, 0.0), passes=2):
         plan = SimpleNamespace(table=two_steps(passes), height=HEIGHT)
         self.following = make_following(ROBOT, plan)
-        start_following(self.following, heading)
         self.reference = make_reference(2, JOINTS)
         cos, sin = np.cos(heading), np.sin(heading)
         self.turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
@@ -101,6 +100,19 @@ def test_a_foothold_moves_towards_where_the_robot_falls(axis, sign):
     inward = axis == 1 and sign > 0.0
     law = world.following.law
     assert 0.0 < sign * shift <= (law.reach[axis] if not inward else WIDTH - law.separation) + 1e-12
+
+
+def test_pushed_over_its_stance_leg_the_robot_waits_and_pushed_away_from_it_it_does_not():
+    times = []
+    for push in (0.0, 0.05, -0.05):
+        world = World()
+        for _ in range(round(0.1 / DT)):
+            world.tick(push=np.array([0.0, push, 0.0]))
+        times.append(float(world.following.clock.time[0]))
+    plain, over, away = times
+    assert plain == pytest.approx(0.1)
+    assert over < 0.7 * plain
+    assert away == pytest.approx(plain)
 
 
 def test_small_errors_are_left_to_the_centre_of_pressure():

@@ -13,6 +13,7 @@ from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_fold
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted, write_text_atomic
+from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
 if TYPE_CHECKING:
@@ -74,11 +75,14 @@ def scenario_from(arguments: _Walk) -> Scenario:
     Raises:
         BadInput: naming the option, or the file and its field.
     """
-    base = DEFAULT
+    base: dict[str, Any] = DEFAULT
     if arguments.scenario is not None:
         base = load_scenario(arguments.scenario).model_dump(mode="json", exclude_none=True)
+    given = _given(arguments)
     try:
-        return make_scenario({**base, **_given(arguments)})
+        if {**base, **given}.get("gait"):
+            return make_scenario(completed({**(base if base is not DEFAULT else {}), **given}))
+        return make_scenario({**base, **given})
     except BadInput as error:
         raise _renamed(error, arguments) from None
 
@@ -149,6 +153,7 @@ def _portable(scenario: Scenario) -> Scenario:
     """The scenario with a robot's path made absolute, so that it runs from any folder."""
     from gaitsmith.robots import robot_names
 
-    if scenario.robot.replace("-", "_") in robot_names():
-        return scenario
-    return scenario.model_copy(update={"robot": str(Path(scenario.robot).resolve())})
+    found: dict[str, Any] = {"gait": tuple(str(Path(path).resolve()) for path in scenario.gait)}
+    if scenario.robot.replace("-", "_") not in robot_names():
+        found["robot"] = str(Path(scenario.robot).resolve())
+    return scenario.model_copy(update=found)

@@ -11,6 +11,7 @@ from rich.text import Text
 from gaitsmith.cli.printing import Printer
 from gaitsmith.robots import Robot
 from gaitsmith.simulation import Summary
+from gaitsmith.simulation.summary import Tracking
 
 
 def print_report(summary: Summary, robot: Robot, folder: Path | None) -> None:
@@ -99,9 +100,28 @@ def closing_lines(summary: Summary) -> list[str]:
         f"whole-body QP: {qp.solves} solved, {qp.fallbacks} fallbacks, {qp.infeasible} infeasible",
         f"{summary.duration:.2f} s simulated, {summary.realtime_factor:.1f} times real time",
     ]
+    if summary.tracking is not None:
+        lines += tracking_lines(summary.tracking)
     if summary.log is not None:
         lines.append(f"log: {summary.log.rows} rows, {summary.log.dropped} dropped")
     refused = ", ".join(f"{count} of {sensor}" for sensor, count in summary.refused.items() if count)
     if refused:
         lines.append(f"ticks with unusable readings: {refused}")
     return lines + [f"physics engine: {warning}" for warning in summary.warnings]
+
+
+def tracking_lines(tracking: Tracking) -> list[str]:
+    """How well a planned gait was followed, a line each."""
+    tilt, pitch, ball = tracking.tilt_deg, tracking.foot_pitch_deg, tracking.ball
+    lines = [
+        f"plan: {tracking.distance:.3f} of {tracking.planned_distance:.3f} m; torso off by at most "
+        f"{tilt['roll']:.2f}° roll, {tilt['pitch']:.2f}° pitch; real ZMP {tracking.zmp_rms_mm:.1f} mm off (rms)"
+    ]
+    if pitch is not None:
+        lines.append(
+            f"foot pitch: heel strike {pitch.strike:.1f} of {pitch.planned_strike:.1f}°, "
+            f"toe-off {pitch.off:.1f} of {pitch.planned_off:.1f}°"
+        )
+    if ball is not None:
+        lines.append(f"ball: {ball.speed:.2f} of {ball.planned_speed:.2f} m/s, went {ball.travel:.2f} m")
+    return lines

@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from gaitsmith.compiled import Arena
 from gaitsmith.control.defaults import Scale, preset_parameters, robot_scale
-from gaitsmith.control.gains import make_gains
+from gaitsmith.control.gains import make_following_tasks, make_gains
 from gaitsmith.control.joint_torque import make_joint_feedback
-from gaitsmith.control.state import DAMPING, OFF, STANDING, STATE_NAMES, Tick, make_control_state
+from gaitsmith.control.state import DAMPING, FOLLOWING, OFF, STANDING, STATE_NAMES, Tick, make_control_state
 from gaitsmith.control.telemetry import Telemetry, make_telemetry
 from gaitsmith.control.tick import tick
 from gaitsmith.dynamics.tree import make_tree_state, read_tree
@@ -19,6 +19,10 @@ from gaitsmith.errors import BadInput
 from gaitsmith.estimation.estimator import make_estimator_gains, make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, make_measurement
 from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
+from gaitsmith.planned.clock import PlanClock
+from gaitsmith.planned.law import FollowParameters, make_following, restart_following
+from gaitsmith.planned.replay import BY_CLOCK_ALONE, ReplayGains, ReplayParameters
+from gaitsmith.planned.table import Plan
 from gaitsmith.qp.quadratic_program import make_quadratic_program
 from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait, gait_numbers
@@ -35,6 +39,7 @@ from gaitsmith.whole_body.reference import make_reference
 from gaitsmith.whole_body.solve import make_whole_body, problem_size
 
 CONTROL_PERIOD = 1e-3
+TRACKINGS = ("whole-body", "replay")
 _YAW = 2  # of a sole's three turning axes
 _KEPT = ("step", "control", "estimator", "reference", "contacts", "body", "program", "chains", "inverse_program")
 
@@ -54,6 +59,9 @@ class Controller:
         parameters: of the preset, SI units.
         gait: the inputs last commanded.
         estimated: whether the state is estimated from sensors.
+        plan: that was loaded, None without one.
+        reference: what the last tick asked of the whole body; views.
+        sole_pitch: (n,) of every sole, toe down positive, as the last tick saw it, rad; a view.
         measurement: preallocated; fill it before :meth:`tick`.
         telemetry: views of what the last tick did, over ``telemetry_buffer``.
         telemetry_buffer: (n,) the same numbers in one array.
@@ -77,6 +85,8 @@ class Controller:
         self.parameters = preset_parameters(robot, self.scale, preset) if isinstance(preset, str) else preset
         self.gait = robot.card.gait if gait is None else gait
         self.estimated = state == "estimated"
+        self.plan: Plan | None = None
+        self._replays = False
         check_gait(self.gait.model_dump(), robot.card.gait_limits)
         soles = tuple(leg.name for leg in robot.legs)
         inputs = tuple(name for name, _, _ in gait_numbers(self.gait.model_dump()))
@@ -87,6 +97,8 @@ class Controller:
         self.measurement: Measurement = self._g.measurement
         self.telemetry: Telemetry = self._g.telemetry
         self._torque = self._g.control.torque
+        self.reference = self._g.reference
+        self.sole_pitch = self._g.frames.sole_pitch
         self._initial = [[array.copy() for array in getattr(self._g, name)] for name in _KEPT]
         self.reset()
 
@@ -115,6 +127,7 @@ class Controller:
         Raises:
             BadInput: an unknown name, or a value outside the card's limits.
         """
+        self._refuse_while_following("command", inputs)
         changes = {name: value for name, value in inputs.items() if value is not None}
         check_gait(changes, self.robot.card.gait_limits)
         self.gait = GaitParameters(**(self.gait.model_dump() | changes))
@@ -123,8 +136,67 @@ class Controller:
         control.mailbox[...] = make_gait_inputs(self.gait).values
         control.letters[0] += 1
 
+    def load(self, plan: Plan, tracking: str = "whole-body", parameters: FollowParameters | None = None) -> None:
+        """Make ready to :meth:`follow` a plan.
+
+        Args:
+            plan: of this robot.
+            tracking: ``whole-body``, or ``replay`` by the joints alone.
+            parameters: of the law; None for the default ones.
+
+        Raises:
+            BadInput: a plan for another robot, an unknown tracking, or a plan that is followed now and has not ended.
+        """
+        if tracking not in TRACKINGS:
+            raise BadInput("tracking", tracking, " or ".join(TRACKINGS))
+        self._refuse_while_following("load", plan.name)
+        replays = tracking == "replay"
+        following = make_following(self.robot, plan, BY_CLOCK_ALONE if replays else parameters)
+        if any(a.shape[1:] != b.shape[1:] for a, b in zip(following.plan[4:], self._g.following.plan[4:], strict=True)):
+            raise BadInput("plan", plan.name, f"a plan for {self.robot.card.name}")
+        self._arena = Arena(self._g._replace(following=following))
+        self._g, self._address = self._arena.view, self._arena.address
+        self.plan, self._replays = plan, replays
+
+    def follow(self) -> None:
+        """Follow the plan that was loaded, from the next tick on; its x axis is where its first support sole points to.
+
+        The robot stands in the plan's first posture, or moves as the plan begins.
+
+        Raises:
+            BadInput: no plan was loaded, or it runs.
+        """
+        if self.plan is None:
+            raise BadInput("follow", "no plan", "a plan that was loaded", "load(plan) first")
+        self._refuse_while_following("follow", self.plan.name)
+        restart_following(self._g.following)
+        self._g.control.replays[0] = int(self._replays)
+        self._g.control.asked[0] = FOLLOWING
+        self._g.body.fresh[0], self._g.control.sent[0] = 1, 0
+
+    @property
+    def plan_clock(self) -> PlanClock:
+        """Where the plan is; views."""
+        clock: PlanClock = self._g.following.clock
+        return clock
+
+    @property
+    def plan_ended(self) -> bool:
+        """Whether a plan was followed to its end."""
+        return bool(self._g.following.clock.ended[0])
+
+    @property
+    def follows(self) -> bool:
+        """Whether a plan is followed that has not ended."""
+        return bool(self._g.control.asked[0] == FOLLOWING and self._g.following.clock.ended[0] == 0)
+
+    def _refuse_while_following(self, field: str, value: object) -> None:
+        if self.plan is not None and self.follows:
+            raise BadInput(field, value, f"nothing while {self.plan.name} runs", "wait for its end, or damp()")
+
     def walk(self) -> None:
         """Start walking at the next tick; in place if the commanded speed is zero."""
+        self._refuse_while_following("walk", True)
         self._g.control.asked[0] = STANDING
         self._g.step.walk_requested[0] = 1
 
@@ -197,6 +269,9 @@ def _make_view(
         chains=make_leg_table(chains),
         inverse=make_inverse_kinematics(n_leg),
         inverse_program=make_quadratic_program(n_leg, 0),
+        following=make_following(robot),
+        following_tasks=make_following_tasks(scale, parameters),
+        replay=_replay_gains(scale, ReplayParameters()),
         measurement=make_measurement(n_joints, n_soles),
         control=make_control_state(n_joints, estimated, turns, len(inputs.values)),
         estimator_gains=make_estimator_gains(
@@ -206,3 +281,8 @@ def _make_view(
         telemetry=telemetry,
         **make_gains(parameters, CONTROL_PERIOD),
     )
+
+
+def _replay_gains(scale: Scale, given: ReplayParameters) -> ReplayGains:
+    """Gains of a replay in SI units."""
+    return ReplayGains(given.stiffness * scale.torque, given.damping * scale.torque / scale.rate, given.attitude)

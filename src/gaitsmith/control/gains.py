@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from gaitsmith.control.defaults import Scale
 from gaitsmith.control.state import TickGains
 from gaitsmith.kinematics.inverse import InverseGains
 from gaitsmith.robots.presets import ControlParameters
@@ -17,6 +18,8 @@ from gaitsmith.whole_body.tasks import Task, TaskTable
 
 _BRAKE = 0.05  # of the torque limit per rad/s
 _HOLD = 0.5  # rad
+_DIVERGENT = 3.0
+_SOLE, _TORSO, _HEIGHT = (18.0, 8.5), (5.5, 4.8), (3.65, 3.8)  # ω², ω: when following a plan
 
 
 def make_task_table(parameters: ControlParameters) -> TaskTable:
@@ -42,6 +45,35 @@ def make_task_table(parameters: ControlParameters) -> TaskTable:
         torque_change=weights.torque_change,
         regularisation=weights.regularisation,
     )
+
+
+def make_following_tasks(scale: Scale, parameters: ControlParameters) -> TaskTable:
+    """Tasks of following a plan: its CoM, torso and soles, its posture where these leave room, its shares of load.
+
+    The CoM's spring and damper are those of a pendulum whose CoP answers :data:`_DIVERGENT` times the error of its
+    divergent component.
+    """
+    rate, angular = scale.rate, (scale.height / 0.6) ** 2
+    sole, torso = _task(rate, 5.0, _SOLE), _task(rate, 8.0 * angular, _TORSO)
+    com = _task(rate, 10.0, (_DIVERGENT - 1.0, _DIVERGENT))
+    return make_task_table(parameters)._replace(
+        stance=_task(rate, 100.0, _SOLE),
+        stance_turn=_task(rate, 280.0 * angular, _SOLE),
+        swing=sole,
+        swing_turn=_task(rate, 4.0 * angular, _SOLE),
+        roll=torso,
+        pitch=torso,
+        yaw=torso,
+        com=com,
+        com_height=_task(rate, 10.0, _HEIGHT),
+        leg_joint=_task(rate, 0.03 * angular, _HEIGHT),
+        load=31.0 / scale.weight**2,
+    )
+
+
+def _task(rate: float, weight: float, gains: tuple[float, float]) -> Task:
+    """A task with stiffness and damping in units of ω² and ω."""
+    return Task(weight, gains[0] * rate**2, gains[1] * rate)
 
 
 def make_gains(parameters: ControlParameters, dt: float) -> dict[str, Any]:

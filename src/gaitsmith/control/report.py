@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gaitsmith.compiled import bind, kernel
-from gaitsmith.control.state import Tick
+from gaitsmith.control.state import FOLLOWING, Tick
 from gaitsmith.template.step import WALK
 from gaitsmith.whole_body.reference import FLAT, NONE
 
@@ -34,7 +34,8 @@ def _report_step(table: int) -> None:
     """Gait and step."""
     g = bind(Tick, table)
     out, step, frames = g.telemetry, g.step, g.frames
-    walking = step.mode[0] == WALK
+    following = g.control.state[0] == FOLLOWING
+    walking = step.mode[0] == WALK or following
     bearing, stance = 0, 0
     for leg in range(g.legs.side.shape[0]):
         if g.reference.contact[leg] != NONE:
@@ -49,9 +50,9 @@ def _report_step(table: int) -> None:
     for k in range(out.command.shape[0]):
         out.command[k] = g.latched.values[k]
     for axis in range(2):
-        out.foothold[axis] = step.foothold[axis]
+        out.foothold[axis] = step.foothold[axis] if not following else g.following.state.goal[axis]
         out.integral[axis] = step.integral[axis]
-    bound = abs(step.foothold[0]) >= g.foothold.reach or abs(step.foothold[1]) >= g.foothold.spread
+    bound = (not following and abs(step.foothold[0]) >= g.foothold.reach) or abs(step.foothold[1]) >= g.foothold.spread
     out.foothold_bound[0] = 1.0 if bound and walking else 0.0
     out.heading[0] = step.heading[0]
     out.hip_height[0] = -frames.relative_position[step.stance[0], 2]

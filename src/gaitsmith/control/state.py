@@ -13,6 +13,8 @@ from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.estimation.estimator import EstimatorGains, EstimatorState
 from gaitsmith.estimation.measurement import Measurement
 from gaitsmith.kinematics.inverse import InverseGains, InverseKinematics, LegTable
+from gaitsmith.planned.law import Following
+from gaitsmith.planned.replay import ReplayGains
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.template.balance import CopGains
 from gaitsmith.template.foothold import FootholdGains, Forecast, SpeedGains
@@ -29,10 +31,10 @@ from gaitsmith.whole_body.reference import Reference
 from gaitsmith.whole_body.solve import JointBounds, WholeBody
 from gaitsmith.whole_body.tasks import TaskTable
 
-OFF, DAMPING, STANDING, WALKING, FAULT, AIRBORNE = range(6)
-"""Control states: no torque; joints braked; on both feet; walking; readings that cannot be used; lifted off."""
+OFF, DAMPING, STANDING, WALKING, FAULT, AIRBORNE, FOLLOWING = range(7)
+"""Control states: no torque; joints braked; on both feet; walking; unusable readings; lifted off; following a plan."""
 
-STATE_NAMES = ("off", "damping", "standing", "walking", "fault", "airborne")
+STATE_NAMES = ("off", "damping", "standing", "walking", "fault", "airborne", "following")
 
 
 class ControlState(NamedTuple):
@@ -41,7 +43,8 @@ class ControlState(NamedTuple):
     Attributes:
         time: (1,) since the reset, s.
         state: (1,) control state, one of :data:`STATE_NAMES`.
-        asked: (1,) OFF or DAMPING if asked for, else STANDING: the template decides.
+        asked: (1,) OFF, DAMPING or FOLLOWING if asked for, else STANDING: the template decides.
+        replays: (1,) 1 if a plan is replayed by the joints alone.
         q: (7 + nj,) true or estimated configuration.
         v: (6 + nj,) true or estimated velocity.
         torque: (nj,) last torque sent, N·m.
@@ -60,6 +63,7 @@ class ControlState(NamedTuple):
     time: Vector
     state: IntVector
     asked: IntVector
+    replays: IntVector
     q: Vector
     v: Vector
     torque: Vector
@@ -124,6 +128,9 @@ class Tick(NamedTuple):
     inverse_gains: InverseGains
     inverse: InverseKinematics
     inverse_program: QuadraticProgram
+    following: Following
+    following_tasks: TaskTable
+    replay: ReplayGains
     measurement: Measurement
     control: ControlState
     estimator_gains: EstimatorGains
@@ -141,6 +148,7 @@ def make_control_state(n_joints: int, estimated: bool, turns: bool, n_inputs: in
         time=np.zeros(1),
         state=whole(STANDING),
         asked=whole(STANDING),
+        replays=whole(),
         q=np.zeros(7 + n_joints),
         v=np.zeros(6 + n_joints),
         torque=np.zeros(n_joints),

@@ -5,16 +5,20 @@ from __future__ import annotations
 from gaitsmith.compiled import bind, kernel
 from gaitsmith.control.joint_torque import add_joint_feedback, bounded_torque, braked_torque, held_torque
 from gaitsmith.control.report import report
-from gaitsmith.control.state import AIRBORNE, DAMPING, FAULT, OFF, STANDING, WALKING, Tick
+from gaitsmith.control.state import AIRBORNE, DAMPING, FAULT, FOLLOWING, OFF, STANDING, WALKING, Tick
 from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.estimation.estimator import estimate
 from gaitsmith.estimation.measurement import is_usable
+from gaitsmith.planned.clock import FORCED, ON_TIME
+from gaitsmith.planned.follow import follow
+from gaitsmith.planned.replay import replay_torque
 from gaitsmith.template.phase import advance_phase, turn_heading
 from gaitsmith.template.standing import refer_standing
 from gaitsmith.template.step import STAND, WALK
 from gaitsmith.template.walking import hold_posture, plan_step, refer_walking, restart_leg, set_torso, track_leg
 from gaitsmith.whole_body.frames import observe_frames
 from gaitsmith.whole_body.solve import solve_whole_body
+from gaitsmith.whole_body.tasks import TaskTable
 
 _DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
 _LIFTED = 0.25  # of a step's period without load after which a robot that stood hangs in the air
@@ -75,11 +79,17 @@ def _choose_state(table: int) -> None:
     for leg in range(g.legs.side.shape[0]):
         loaded = loaded or g.measurement.sole_force[leg] > g.gains.contact_force
     control.unloaded[0] = 0.0 if loaded else control.unloaded[0] + g.gains.dt
-    if control.sent[0] == 0 or (loaded and control.state[0] == STANDING):
+    stands = control.state[0] == STANDING or control.state[0] == FOLLOWING
+    if control.sent[0] == 0 or (loaded and stands):
         for j in range(control.held.shape[0]):
             control.held[j] = control.q[7 + j]
     patience = g.latched.period[0] * (1.0 if step.mode[0] == WALK else _LIFTED)
-    if control.asked[0] != STANDING:
+    if control.asked[0] == FOLLOWING:
+        lifted = control.unloaded[0] > g.latched.period[0]
+        if control.state[0] == AIRBORNE and not lifted:
+            g.body.fresh[0] = 1
+        control.state[0] = AIRBORNE if lifted else FOLLOWING
+    elif control.asked[0] != STANDING:
         control.state[0] = control.asked[0]
         step.mode[0] = STAND
     elif control.unloaded[0] > patience:
@@ -158,12 +168,60 @@ def _refer(table: int) -> None:
 
 
 @kernel
+def _solve(table: int, tasks: TaskTable) -> bool:
+    """Solve the whole-body QP for a table of tasks; True if it has a solution."""
+    g = bind(Tick, table)
+    return solve_whole_body(
+        g.program,
+        g.tree_state,
+        g.legs,
+        g.reference,
+        g.frames,
+        g.contacts,
+        tasks,
+        g.contact_bounds,
+        g.joint_bounds,
+        g.motion,
+        g.body,
+        g.control.q,
+        g.control.v,
+    )
+
+
+@kernel
+def _follow(table: int) -> bool:
+    """The plan writes the reference, and the whole body follows it; True if its QP was solved."""
+    g = bind(Tick, table)
+    control, step, following, legs, torso = g.control, g.step, g.following, g.legs, g.legs.torso[0]
+    event = follow(
+        following,
+        g.frames.sole_position,
+        g.frames.sole_rotation,
+        g.tree_state.com,
+        g.tree_state.com_velocity,
+        g.measurement.sole_force,
+        g.reference,
+        g.gains.dt,
+    )
+    if event != ON_TIME:
+        step.last_duration[0] = step.time[0]
+        step.forced[0] = following.clock.touchdowns[FORCED]
+    step.time[0], step.count[0] = following.clock.since_touchdown[0], following.clock.steps[0]
+    step.heading[0], step.stance[0] = following.state.heading[0], following.state.support[0]
+    if control.replays[0] == 1:
+        rotation = g.tree_state.body_rotation[torso]
+        replay_torque(g.replay, legs, g.reference, rotation, control.q, control.v, g.body.torque)
+        return False
+    return _solve(table, g.following_tasks)
+
+
+@kernel
 def _send(table: int, solved: bool) -> None:
     """Torque of this tick into ``control.torque``: inside its limit, no faster than its rate, never NaN."""
     g = bind(Tick, table)
     control, legs = g.control, g.legs
     state = control.state[0]
-    free = state != WALKING and state != STANDING
+    free = state != WALKING and state != STANDING and state != FOLLOWING
     for j in range(control.torque.shape[0]):
         limit, last = legs.torque_limit[j], control.torque[j]
         wanted = g.body.torque[j]
@@ -205,21 +263,9 @@ def tick(table: int) -> None:
         _choose_state(table)
         if control.state[0] == STANDING:
             _refer(table)
-            solved = solve_whole_body(
-                g.program,
-                g.tree_state,
-                g.legs,
-                g.reference,
-                g.frames,
-                g.contacts,
-                g.tasks,
-                g.contact_bounds,
-                g.joint_bounds,
-                g.motion,
-                g.body,
-                control.q,
-                control.v,
-            )
+            solved = _solve(table, g.tasks)
+        elif control.state[0] == FOLLOWING:
+            solved = _follow(table)
     else:
         control.refused_ticks[0] += 1
         control.state[0] = FAULT

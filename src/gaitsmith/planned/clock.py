@@ -107,11 +107,11 @@ def _has_landed(plan: PlanTable, section: int, following: int, force: Vector, th
 
 
 @kernel
-def _rate(plan: PlanTable, clock: PlanClock, section: int) -> float:
-    """Rate at which the plan's lead is gone by the end of a stretch with all soles on the ground; 1 in a swing."""
+def _rate(plan: PlanTable, clock: PlanClock, section: int, pace: float) -> float:
+    """Rate at which the plan's lead is gone by the end of a double support; the pace in a swing."""
     left = plan.stretch_duration[section] - plan.stretch_start[section] - clock.time[0]
     if is_swing(plan, section):
-        return 1.0
+        return pace
     if left <= 0.0 or left + clock.lead[0] <= 0.0:
         return float(clock.rate[0])
     return float(min(max(left / (left + clock.lead[0]), _SLOWEST), _FASTEST))
@@ -119,7 +119,15 @@ def _rate(plan: PlanTable, clock: PlanClock, section: int) -> float:
 
 @kernel
 def advance(
-    plan: PlanTable, clock: PlanClock, dt: float, force: Vector, threshold: float, earliest: float, longest: float
+    plan: PlanTable,
+    clock: PlanClock,
+    dt: float,
+    pace: float,
+    force: Vector,
+    threshold: float,
+    earliest: float,
+    window: float,
+    longest: float,
 ) -> int:
     """Advance the clock by one tick.
 
@@ -127,9 +135,11 @@ def advance(
         plan: the plan.
         clock: its clock.
         dt: s.
+        pace: rate of the clock in a swing.
         force: (n,) measured normal force on every sole, N.
         threshold: force from which a sole counts as landed, N.
         earliest: share of a swing after which a landing counts.
+        window: before the planned landing in which a landing is on time, s: the plan goes on to its own.
         longest: time to wait for a late landing, s.
 
     Returns:
@@ -138,13 +148,13 @@ def advance(
     if clock.ended[0] == 1:
         return ON_TIME
     section = plan.sequence[clock.visit[0]]
-    clock.rate[0] = _rate(plan, clock, section)
+    clock.rate[0] = _rate(plan, clock, section, pace)
     clock.time[0] += dt * clock.rate[0]
     clock.lead[0] += dt * (clock.rate[0] - 1.0)
     clock.since_touchdown[0] += dt
     left = plan.stretch_duration[section] - plan.stretch_start[section] - clock.time[0]
     visit = next_stretch(plan, clock) if plan.by_contact[section] == 1 else -1
-    if visit >= 0 and left <= (1.0 - earliest) * plan.stretch_duration[section]:
+    if visit >= 0 and not 0.0 < left <= window and left <= (1.0 - earliest) * plan.stretch_duration[section]:
         event = ON_TIME
         if _has_landed(plan, section, plan.sequence[visit], force, threshold):
             event = EARLY if clock.waited[0] == 0.0 else LATE

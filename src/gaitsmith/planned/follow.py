@@ -15,25 +15,11 @@ from gaitsmith.planned.footholds import (
     move_anchor,
     move_origin,
     move_swing,
+    swing_pace,
 )
 from gaitsmith.planned.law import Following
 from gaitsmith.planned.table import COM, PER_SOLE, SOLES, TORSO
 from gaitsmith.whole_body.reference import NONE, WORLD, Reference
-
-
-@kernel
-def start_following(g: Following, heading: float) -> None:
-    """Begin the plan, its x axis along a heading in the world, rad."""
-    clock, state = g.clock, g.state
-    clock.visit[0], clock.pass_number[0], clock.ended[0] = 0, 0, 0
-    clock.time[0], clock.waited[0], clock.rate[0], clock.lead[0] = 0.0, 0.0, 1.0, 0.0
-    clock.steps[0], clock.since_touchdown[0] = 0, 0.0
-    for event in range(clock.touchdowns.shape[0]):
-        clock.touchdowns[event] = 0
-    state.heading[0], state.support[0] = heading, -1
-    for row in range(state.shift.shape[0]):
-        for axis in range(2):
-            state.foothold[row, axis], state.bias[row, axis], state.goal[axis] = 0.0, 0.0, 0.0
 
 
 @kernel
@@ -47,7 +33,7 @@ def follow(
     out: Reference,
     dt: float,
 ) -> int:
-    """Advance the plan by one tick and fill the reference.
+    """Advance the plan by one tick and fill the reference; its x axis is where the first support sole points to.
 
     Args:
         g: the plan.
@@ -62,16 +48,17 @@ def follow(
     Returns:
         How a swing ended in this tick; ON_TIME if none did.
     """
-    plan, law, clock, state, motion = g.plan, g.law, g.clock, g.state, g.sample.motion
+    plan, law, clock, state = g.plan, g.law, g.clock, g.state
     before = plan.sequence[clock.visit[0]]
-    event = advance(plan, clock, dt, sole_force, law.touchdown_force, law.earliest, law.longest_wait)
+    window = law.window if state.goal[0] == 0.0 and state.goal[1] == 0.0 else 0.0
+    pace = swing_pace(plan, law, before, state)
+    event = advance(plan, clock, dt, pace, sole_force, law.touchdown_force, law.earliest, window, law.longest_wait)
     section = plan.sequence[clock.visit[0]]
     support = plan.support[section]
+    if state.support[0] < 0:
+        state.heading[0] = math.atan2(sole_rotation[support, 1, 0], sole_rotation[support, 0, 0])
     evaluate(plan, section, clock.time[0], g.sample)
-    rate = clock.rate[0] if clock.ended[0] == 0 else 0.0
-    for channel in range(motion.shape[1]):
-        motion[1, channel] *= rate
-        motion[2, channel] *= rate * rate
+    scale_time(g)
     locate(plan, law, section, state, sole_position, sole_rotation)
     if event != ON_TIME:
         expect_landing(plan, before, section, state)
@@ -82,8 +69,17 @@ def follow(
     _write_body(g, out)
     for row in range(plan.contact.shape[1]):
         _write_sole(g, section, row, out)
-    _write_joints(g, out)
+    write_joints(g, out)
     return event
+
+
+@kernel
+def scale_time(g: Following) -> None:
+    """Derivatives by time instead of by the plan's own; none once it has ended."""
+    motion, rate = g.sample.motion, g.clock.rate[0] if g.clock.ended[0] == 0 else 0.0
+    for channel in range(motion.shape[1]):
+        motion[1, channel] *= rate
+        motion[2, channel] *= rate * rate
 
 
 @kernel
@@ -173,7 +169,7 @@ def _write_sole(g: Following, section: int, row: int, out: Reference) -> None:
 
 
 @kernel
-def _write_joints(g: Following, out: Reference) -> None:
+def write_joints(g: Following, out: Reference) -> None:
     """Posture and planned torque."""
     motion = g.sample.motion
     joints = SOLES + PER_SOLE * g.plan.contact.shape[1]

@@ -17,7 +17,7 @@ import math
 from gaitsmith.compiled import Cube, Matrix, kernel
 from gaitsmith.planned.clock import PlanClock, next_stretch
 from gaitsmith.planned.law import Following, FollowLaw, FollowState
-from gaitsmith.planned.table import PER_SOLE, PlanTable
+from gaitsmith.planned.table import PER_SOLE, SOLES, PlanTable
 from gaitsmith.whole_body.reference import HEEL, NONE, TOE
 
 _SHORTEST = 0.03  # s, least time in which a swing sole's shift is brought to its goal
@@ -129,6 +129,21 @@ def choose_footholds(g: Following, section: int, following: int, left: float) ->
             state.foothold[row, axis] = wanted
         state.goal[0] = cos * state.foothold[row, 0] - sin * state.foothold[row, 1]
         state.goal[1] = sin * state.foothold[row, 0] + cos * state.foothold[row, 1]
+
+
+@kernel
+def swing_pace(plan: PlanTable, law: FollowLaw, section: int, state: FollowState) -> float:
+    """Rate of the plan's clock in a swing: the divergent component's lateral place tells the time.
+
+    It grows towards the side of the swing sole. Pushed over its stance leg, the robot waits until the CoP has brought
+    it back; pushed the other way it keeps the time, and the foothold makes up for it.
+    """
+    lead = 0.0
+    for row in range(plan.contact.shape[1]):
+        if plan.contact[section, row] == NONE and state.support[0] == plan.support[section]:
+            away = plan.motion[section, 0, SOLES + PER_SOLE * row + 1]
+            lead = state.error[1] if away > 0.0 else -state.error[1]
+    return float(min(max(1.0 + law.pace * min(lead + law.pace_slack, 0.0), law.slowest), 1.0))
 
 
 @kernel

@@ -24,6 +24,7 @@ class FollowParameters:
     Attributes:
         touchdown_force: of the weight.
         earliest: share of a swing after which a landing counts.
+        window: before the planned landing in which a landing is on time, 1/ω.
         longest_wait: for a late landing, 1/ω.
         descent_speed: of a sole that waits for the ground, U.
         room_share: of the CoP's room that is left to its feedback before the foothold moves.
@@ -32,12 +33,16 @@ class FollowParameters:
         separation: gap between the soles' edges, z.
         landing_gain: share of a miss by which the next landing is corrected.
         landing_bias: largest such correction, z.
+        pace: change of the clock's rate in a swing by the lateral error of the divergent component, 1/z.
+        pace_slack: error that changes nothing, z.
+        slowest: rate of the clock in a swing; it is never faster than time.
         horizon: before landing, from which on the foothold is chosen, 1/ω.
         frozen: before landing, from which on it is kept, 1/ω.
     """
 
     touchdown_force: float = 0.05
     earliest: float = 0.6
+    window: float = 0.15
     longest_wait: float = 0.6
     descent_speed: float = 0.07
     room_share: float = 0.7
@@ -46,6 +51,9 @@ class FollowParameters:
     separation: float = 0.02
     landing_gain: float = 0.5
     landing_bias: float = 0.1
+    pace: float = 5.0
+    pace_slack: float = 0.02
+    slowest: float = 0.4
     horizon: float = 2.5
     frozen: float = 0.4
 
@@ -63,6 +71,7 @@ class FollowLaw(NamedTuple):
     omega: float
     touchdown_force: float
     earliest: float
+    window: float
     longest_wait: float
     descent_speed: float
     room_share: float
@@ -71,6 +80,9 @@ class FollowLaw(NamedTuple):
     separation: float
     landing_gain: float
     landing_bias: float
+    pace: float
+    pace_slack: float
+    slowest: float
     horizon: float
     frozen: float
     heel: Vector
@@ -136,6 +148,13 @@ def make_following(robot: Robot, plan: Plan | None = None, parameters: FollowPar
     return Following(table, law, make_plan_clock(), make_plan_sample(soles, joints), state)
 
 
+def restart_following(following: Following) -> None:
+    """Put a plan back to its beginning."""
+    for array in (*following.clock, *following.state):
+        array[...] = 0
+    following.clock.rate[0], following.state.support[0] = 1.0, -1
+
+
 def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
     gravity = float(np.linalg.norm(robot.model.opt.gravity))
     omega, speed = math.sqrt(gravity / z), math.sqrt(gravity * z)
@@ -144,6 +163,7 @@ def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
         omega=omega,
         touchdown_force=given.touchdown_force * robot.mass * gravity,
         earliest=given.earliest,
+        window=given.window / omega,
         longest_wait=given.longest_wait / omega,
         descent_speed=given.descent_speed * speed,
         room_share=given.room_share,
@@ -152,6 +172,9 @@ def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
         separation=sum(sole.half_width for sole in soles[:2]) + given.separation * z,
         landing_gain=given.landing_gain,
         landing_bias=given.landing_bias * z,
+        pace=given.pace / z,
+        pace_slack=given.pace_slack * z,
+        slowest=given.slowest,
         horizon=given.horizon / omega,
         frozen=given.frozen / omega,
         heel=np.array([sole.heel for sole in soles]),

@@ -8,6 +8,7 @@ its different steps.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -99,6 +100,34 @@ class Plan:
     height: float
     ball: tuple[float, float, float] | None
     foot_pitch: tuple[float, float]
+
+    def forward(self, time: float) -> float:
+        """Forward travel of the CoM from the beginning to a time, s, on the plan's own clock, m."""
+        table = self.table
+        spans = table.duration[table.sequence]
+        visits = list(range(len(spans)))
+        once = float(spans[table.loop_first : table.loop_end].sum())
+        before = float(spans[: table.loop_first].sum())
+        laps = int(max(time - before, 0.0) / once)
+        laps = laps if table.passes == ENDLESS else min(laps, table.passes - 1)
+        time -= laps * once
+        origin = laps * self._shift(visits[table.loop_first : table.loop_end], wraps=True)
+        visit = 0
+        while visit + 1 < len(visits) and time >= spans[visit]:
+            time -= spans[visit]
+            origin += self._shift([visit, visit + 1], wraps=False)
+            visit += 1
+        return origin + self._com(visit, min(time / spans[visit], 1.0)) - self._com(0, 0.0)
+
+    def _shift(self, visits: list[int], wraps: bool) -> float:
+        """How far ahead the support sole moves over visits in a row, m; ``wraps`` with the way back to the first."""
+        sections = self.table.sequence[visits + (visits[:1] if wraps else [])]
+        return float(sum(self.table.place[one, self.table.support[two], 0] for one, two in pairwise(sections)))
+
+    def _com(self, visit: int, share: float) -> float:
+        """CoM ahead of the support sole at a share of a visit, m."""
+        series = self.table.motion[self.table.sequence[visit], :, COM]
+        return float(np.polynomial.chebyshev.chebval(2.0 * share - 1.0, series))
 
 
 def empty_table(n_soles: int, n_joints: int) -> PlanTable:

@@ -181,7 +181,7 @@ class Disturber:
 
     def hear(self, event: Mapping[str, Any]) -> None:
         """A walk begins."""
-        if event.get("action") == "walk":
+        if event.get("action") in ("walk", "follow"):
             self._plant.restart_excursion()
 
     def _phase(self) -> float:

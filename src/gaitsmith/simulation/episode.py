@@ -15,6 +15,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, BinaryIO
 
+import numpy as np
+
 from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.kinematics.posture import standing_posture
@@ -27,6 +29,7 @@ from gaitsmith.simulation.fall import Fall, explain
 from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
+from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
@@ -100,6 +103,10 @@ class Simulation:
         if state != scenario.state:
             remedy = "make both alike: the scenario says what the plant's sensors give"
             raise BadInput("controller's state", state, f"{scenario.state}, the scenario's", remedy)
+        self.plan = plan_of(scenario, self.robot)
+        if self.plan is not None:
+            self.controller.reset()
+            self.controller.load(self.plan, scenario.tracking)
         self.plant = Plant(
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),
@@ -111,6 +118,7 @@ class Simulation:
             mass_spread=scenario.mass_spread,
             seed=scenario.seed,
             region=scenario.region(),
+            props=balls_of(self.plan, self.robot),
         )
         for push in scenario.pushes:
             self.plant.body_id(push.body)
@@ -126,24 +134,30 @@ class Simulation:
         self._file = _new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         observers: list[Observer] = [self._monitor, *([self._recorder] if self._recorder else []), self._disturber]
+        self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
+        observers += [self._tracked] if self._tracked is not None else []
         self.loop = Loop(self.plant, self.controller, commands or Script(_orders(scenario), step), observers)
         self._wall, self._memory = 0.0, resident_mb()
         self.interrupted = False
 
     def _warm_up(self) -> None:
         """Load everything compiled before time is measured, then put the robot on the ground, at rest."""
-        start = standing_posture(self.robot, self._gait.height, self._gait.width)
-        self.plant.reset(start)
+        start = (standing_posture(self.robot, self._gait.height, self._gait.width), np.zeros(self.robot.model.nv))
+        if self.plan is not None:
+            start = self.plan.start
+        self.plant.reset(*start)
         self.controller.reset()
         self.plant.measure(self.controller.measurement)
         self.plant.step(self.controller.tick())
         self._make_monitor().observe(0)
-        self.plant.reset(start)
+        self.plant.reset(*start)
         self.controller.reset()
         self.controller.command(**self._gait.model_dump())
 
     def _make_monitor(self) -> Monitor:
         gait = self._gait.model_dump()
+        if self.plan is not None:
+            gait["speed"] = (self.plan.speed, 0.0)
         return Monitor(self.robot, self.controller.parameters, self._columns, self.plant.control_step, gait)
 
     def _make_recorder(self, file: BinaryIO) -> Recorder:
@@ -267,12 +281,15 @@ class Simulation:
             pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
             warnings=tuple(self.plant.warnings),
             memory=Memory(start=self._memory, end=resident_mb()),
+            tracking=self._tracked.report(self.time) if self._tracked is not None else None,
             log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,
         )
 
 
 def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
     """What a scenario tells the controller."""
+    if scenario.gait:
+        return [(0.0, Order(action="follow"))]
     orders = [(change.time, Order(change.given())) for change in scenario.changes]
     orders.append((scenario.walk_from, Order(action="walk")))
     if scenario.rest_after > 0.0:

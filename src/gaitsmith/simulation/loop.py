@@ -58,7 +58,7 @@ class Order:
     """
 
     command: Mapping[str, Any] = field(default_factory=dict)
-    action: Literal["", "walk", "stand"] = ""
+    action: Literal["", "walk", "stand", "follow"] = ""
 
 
 class Commands(Protocol):

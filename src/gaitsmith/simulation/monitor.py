@@ -39,6 +39,7 @@ _MAX_TILT = math.radians(60.0)
 _TOUCHDOWNS = 256  # remembered; no robot takes more steps in the scored window
 _TURN = 2.0 * math.pi
 _NEVER = 2**62
+_BEGINNINGS = ("walk", "follow")
 
 _COMMANDED = {"period": "command.period", "height": "command.height", "yaw_rate": "command.yaw_rate"}
 
@@ -220,9 +221,9 @@ class Monitor:
             self._began = self.ticks
         self._gait.update(event.get("command", {}))
         action = event.get("action")
-        if action == "walk" and self.walked_from is None:
+        if action in _BEGINNINGS and self.walked_from is None:
             self.walked_from = self._seen.torso[:2].copy()
-        self._rest = action == "stand" or (self._rest and action != "walk")
+        self._rest = action == "stand" or (self._rest and action not in _BEGINNINGS)
         if action == "stand":
             self._gait = at_rest(self._gait)
 

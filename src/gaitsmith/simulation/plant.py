@@ -287,6 +287,29 @@ class Plant:
         velocity: npt.NDArray[np.float64] = self._data.qvel[: self._robot.model.nv]
         return velocity
 
+    @property
+    def torso_rotation(self) -> npt.NDArray[np.float64]:
+        """(3, 3) true rotation of the torso to the world; a view."""
+        rotation: npt.NDArray[np.float64] = self._data.xmat[self._robot.torso_body].reshape(3, 3)
+        return rotation
+
+    @property
+    def com(self) -> npt.NDArray[np.float64]:
+        """(3,) true centre of mass of the robot, world, m; a view."""
+        centre: npt.NDArray[np.float64] = self._data.subtree_com[self._robot.torso_body]
+        return centre
+
+    def zmp(self) -> tuple[float, float] | None:
+        """Centre of the vertical forces between robot and ground, world, m; None in the air."""
+        total = x = y = 0.0
+        force = np.zeros(6)
+        for index, contact in enumerate(self._data.contact[: self._data.ncon]):
+            bodies = self._model.geom_bodyid[contact.geom]
+            if bodies.min() == 0 and bodies.max() < self._robot.model.nbody:
+                mujoco.mj_contactForce(self._model, self._data, index, force)
+                total, x, y = total + force[0], x + force[0] * contact.pos[0], y + force[0] * contact.pos[1]
+        return (x / total, y / total) if total > 1.0 else None
+
 
 _hearing = threading.local()
 """Where the engine's warnings go in this thread: ``warnings`` of the plant that runs."""

@@ -11,7 +11,7 @@ from gaitsmith.robots import Robot
 from gaitsmith.simulation.fall import Fall
 from gaitsmith.simulation.monitor import Monitor
 from gaitsmith.simulation.scenario import Scenario
-from gaitsmith.simulation.summary import FallReport, LogCounts, Memory, QpCounts, Summary, TickTimes
+from gaitsmith.simulation.summary import FallReport, LogCounts, Memory, QpCounts, Summary, TickTimes, Tracking
 
 
 def _last(columns: Columns, name: str) -> float:
@@ -50,6 +50,7 @@ def sum_up(
     warnings: tuple[str, ...],
     memory: Memory | None,
     log: LogCounts | None,
+    tracking: Tracking | None = None,
 ) -> Summary:
     """A run in numbers.
 
@@ -67,6 +68,7 @@ def sum_up(
         warnings: of the physics engine.
         memory: in use at the beginning and now.
         log: what was recorded.
+        tracking: of a planned gait.
     """
     kept, joints, true = monitor.kept, monitor.kept.joints, monitor.prefix
     shares = max(monitor.ticks, 1)
@@ -114,4 +116,5 @@ def sum_up(
         warnings=warnings,
         memory_mb=memory,
         log=log,
+        tracking=tracking,
     )

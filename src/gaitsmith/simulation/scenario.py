@@ -109,6 +109,18 @@ class Scenario(Command):
     duration: Annotated[float, Field(gt=0.0), About("Length of the whole run, rests included", "s", "S")] = 20.0
     rest_before: Annotated[Seconds, About("Standing on both feet before the walk", "s", "S")] = 1.0
     rest_after: Annotated[Seconds, About("Standing on both feet after the walk", "s", "S")] = 0.0
+    gait: Annotated[
+        tuple[str, ...],
+        Field(max_length=8),
+        About(
+            "Gait file to follow instead of the template's walk; several are followed one after the other", "", "FILE"
+        ),
+    ] = ()
+    cycles: Annotated[int | None, Field(ge=1, le=10_000), About("Steps of a cyclic gait file", metavar="N")] = None
+    tracking: Annotated[
+        Literal["whole-body", "replay"],
+        About("How a gait file is followed: by the whole body, or replayed by the joints alone"),
+    ] = "whole-body"
     changes: tuple[Change, ...] = ()
     pushes: Annotated[
         tuple[Push, ...],
@@ -145,6 +157,7 @@ class Scenario(Command):
     def _consistent(self) -> Scenario:
         """Check what no single field can tell."""
         parse_terrain(self.terrain)
+        self._check_gait_file()
         if self.rest_before + self.rest_after > self.duration:
             raise BadInput(
                 "duration",
@@ -164,6 +177,17 @@ class Scenario(Command):
             if push.time >= self.duration:
                 raise BadInput(f"pushes[{k}].time", push.time, f"0 s to less than the duration, {self.duration:g} s")
         return self
+
+    def _check_gait_file(self) -> None:
+        """A gait file is followed from the beginning, and nothing of it can be commanded."""
+        if not self.gait:
+            for name in ("cycles", "tracking"):
+                if name in self.model_fields_set and getattr(self, name) is not None:
+                    raise BadInput(name, getattr(self, name), "nothing without a gait file", "add gait")
+            return
+        for name in (*GAIT_INPUTS, "changes", "rest_before", "rest_after"):
+            if name in self.model_fields_set and getattr(self, name):
+                raise BadInput(name, getattr(self, name), "nothing with a gait file", "the file decides")
 
     @property
     def walk_from(self) -> float:

@@ -110,6 +110,46 @@ class LogCounts(Frozen):
     complete: bool
 
 
+class FootPitch(Frozen):
+    """Mean pitch of the soles as heels meet and toes leave the ground, degrees, as it was and as planned."""
+
+    strike: float
+    off: float
+    planned_strike: float
+    planned_off: float
+
+
+class BallReport(Frozen):
+    """A ball that was kicked: largest speed, m/s, as it was and as planned; distance that it went, m."""
+
+    speed: float
+    planned_speed: float
+    travel: float
+
+
+class Tracking(Frozen):
+    """How well a planned gait was followed.
+
+    Attributes:
+        distance, planned_distance: forward travel of the CoM, m.
+        tilt_deg: largest deviation of the torso from the plan.
+        zmp_rms_mm: distance of the real ZMP from the planned one in single support.
+        foot_pitch_deg: None for a gait without heel and toe phases.
+        ball: None without one.
+        phase: of the plan at the end.
+        ended: whether the plan had ended.
+    """
+
+    distance: float
+    planned_distance: float
+    tilt_deg: dict[str, float]
+    zmp_rms_mm: float
+    foot_pitch_deg: FootPitch | None
+    ball: BallReport | None
+    phase: str
+    ended: bool
+
+
 class Summary(Frozen):
     """A run in numbers.
 
@@ -142,6 +182,7 @@ class Summary(Frozen):
         realtime_factor: simulated over wall time, logging included.
         pushes: when each push began, s; null if it never did.
         warnings: what the physics engine warned of.
+        tracking: of a planned gait; None for the template's.
     """
 
     fell: bool
@@ -175,6 +216,7 @@ class Summary(Frozen):
     realtime_factor: float
     pushes: tuple[float | None, ...]
     warnings: tuple[str, ...]
+    tracking: Tracking | None = None
 
 
 class Span(NamedTuple):

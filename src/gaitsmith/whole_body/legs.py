@@ -26,6 +26,7 @@ class Legs(NamedTuple):
         joints: (n, n_leg) joint indices, hip to ankle.
         knee: (n,) joint indices.
         ankle_pitch: (n,) joint indices.
+        ankle_roll: (n,) joint indices, -1 without one.
         heel: (n,) m, behind the sole frame's origin.
         toe: (n,) m, ahead of it.
         half_width: (n,) m; 0 for a line sole.
@@ -46,6 +47,7 @@ class Legs(NamedTuple):
     joints: IntMatrix
     knee: IntVector
     ankle_pitch: IntVector
+    ankle_roll: IntVector
     heel: Vector
     toe: Vector
     half_width: Vector
@@ -73,6 +75,7 @@ def make_legs(robot: Robot) -> Legs:
         joints=np.array([leg.joint_indices for leg in legs]),
         knee=np.array([leg.knee for leg in legs]),
         ankle_pitch=np.array([leg.ankle_pitch for leg in legs]),
+        ankle_roll=np.array([leg.ankle_roll for leg in legs]),
         heel=np.array([leg.sole.heel for leg in legs]),
         toe=np.array([leg.sole.toe for leg in legs]),
         half_width=np.array([leg.sole.half_width for leg in legs]),

@@ -1,0 +1,130 @@
+"""Runs of planned gaits: the plan of a scenario, its ball, and how well it is followed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.control import Controller
+from gaitsmith.planned import Plan
+from gaitsmith.robots import Robot
+from gaitsmith.simulation.plant import Plant
+from gaitsmith.simulation.props import Ball
+from gaitsmith.simulation.scenario import Scenario
+from gaitsmith.simulation.summary import BallReport, FootPitch, Tracking
+from gaitsmith.synthesis.files.gait_file import load_robot_of, read_gait
+from gaitsmith.synthesis.gaits.walkable import walkable
+from gaitsmith.whole_body.reference import FLAT, NONE, TOE
+
+SETTLE = 2.0  # s for which a run goes on after its plan has ended
+_ENDLESS = 10.0  # s of a plan without an end
+_SAMPLE = 10  # ticks between two looks at the ZMP
+
+
+def completed(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """A scenario's plain values with the gait files' robot, and time for the whole plan, where they are not given.
+
+    Raises:
+        BadInput: a file that cannot be used.
+    """
+    found = dict(fields)
+    gaits = [read_gait(path)[0] for path in found["gait"]]
+    if "robot" not in found:
+        found["robot"] = load_robot_of(gaits[0]).card.name
+    if "duration" not in found:
+        from gaitsmith.robots import load_robot
+
+        plan = walkable(gaits, load_robot(found["robot"]), found.get("cycles"))
+        found["duration"] = _ENDLESS if math.isinf(plan.duration) else plan.duration + SETTLE * plan.at_rest[1]
+    return found
+
+
+def plan_of(scenario: Scenario, robot: Robot) -> Plan | None:
+    """The plan that a scenario's gait files make up; None without one.
+
+    Raises:
+        BadInput: a file that cannot be used, or that is for another robot.
+    """
+    if not scenario.gait:
+        return None
+    return walkable([read_gait(path)[0] for path in scenario.gait], robot, scenario.cycles)
+
+
+def balls_of(plan: Plan | None, robot: Robot) -> tuple[Ball, ...]:
+    """The ball that a plan kicks: the toe meets it where the plan's ankle is."""
+    if plan is None or plan.ball is None:
+        return ()
+    ball = Ball((0.0, 0.0, 0.0))
+    x, y, _ = plan.ball
+    return (Ball((x + robot.legs[0].sole.toe + ball.radius, y, ball.radius)),)
+
+
+class Tracked:
+    """Watches how well a plan is followed; its x axis is the world's.
+
+    Args:
+        plan: that is followed.
+        controller: that follows it.
+        plant: with the robot.
+    """
+
+    def __init__(self, plan: Plan, controller: Controller, plant: Plant) -> None:
+        self.plan, self._controller, self._plant = plan, controller, plant
+        self._begin = math.nan
+        self._tilt = np.zeros(2)
+        self._contact = controller.reference.contact.copy()
+        self._zmp: list[float] = [0.0, 0.0]
+        self._pitch: dict[str, list[float]] = {"strike": [0.0, 0.0], "off": [0.0, 0.0]}
+
+    def observe(self, tick: int) -> bool:
+        """Take note of a tick; never ends the run unless the plan has, in motion."""
+        reference, plant = self._controller.reference, self._plant
+        if math.isnan(self._begin):
+            self._begin = float(plant.com[0])
+            self._contact[:] = reference.contact
+        away = reference.torso_rotation.T @ plant.torso_rotation
+        self._tilt = np.maximum(self._tilt, np.abs([away[2, 1], away[2, 0]]))
+        for row, (before, now) in enumerate(zip(self._contact, reference.contact, strict=True)):
+            if before == NONE and now not in (NONE, FLAT):
+                self._note("strike", -float(self._controller.sole_pitch[row]))
+            if before == TOE and now == NONE:
+                self._note("off", float(self._controller.sole_pitch[row]))
+        self._contact[:] = reference.contact
+        if tick % _SAMPLE == 0 and NONE in reference.contact and (real := plant.zmp()) is not None:
+            bearing = reference.load * (reference.contact != NONE)
+            planned = bearing @ (reference.sole_position[:, :2] + reference.cop) / max(bearing.sum(), 1e-9)
+            self._zmp[0] += float(np.sum((planned - real) ** 2))
+            self._zmp[1] += 1.0
+        return self._controller.plan_ended and not self.plan.at_rest[1]
+
+    def hear(self, event: Mapping[str, Any]) -> None:
+        """Nothing that happens once matters here."""
+
+    def _note(self, kind: str, pitch: float) -> None:
+        self._pitch[kind][0] += pitch
+        self._pitch[kind][1] += 1.0
+
+    def report(self, time: float) -> Tracking:
+        """The run so far, which lasted for a time, s."""
+        plan, clock = self.plan, self._controller.plan_clock
+        strike, off = (math.degrees(total / count) if count else 0.0 for total, count in self._pitch.values())
+        planned = [math.degrees(angle) for angle in plan.foot_pitch]
+        ball = self._plant.balls[0] if self._plant.balls else None
+        section = int(plan.table.sequence[clock.visit[0]])
+        return Tracking(
+            distance=0.0 if math.isnan(self._begin) else float(self._plant.com[0]) - self._begin,
+            planned_distance=plan.forward(min(time, plan.duration)),
+            tilt_deg=dict(zip(("roll", "pitch"), np.degrees(self._tilt).tolist(), strict=True)),
+            zmp_rms_mm=1e3 * math.sqrt(self._zmp[0] / max(self._zmp[1], 1.0)),
+            foot_pitch_deg=FootPitch(strike=strike, off=off, planned_strike=planned[0], planned_off=planned[1])
+            if max(planned) > 0.0
+            else None,
+            ball=BallReport(speed=ball.top_speed, planned_speed=plan.ball[2], travel=ball.travel)
+            if ball is not None and plan.ball is not None
+            else None,
+            phase=plan.phases[plan.table.phase[section]],
+            ended=bool(clock.ended[0]),
+        )

@@ -1,0 +1,88 @@
+"""A planned gait in closed loop with physics: speed, balance, events, and what is refused meanwhile."""
+
+import numpy as np
+import pytest
+
+from gaitsmith.control import Controller
+from gaitsmith.errors import BadInput
+from gaitsmith.simulation.plant import Plant
+from gaitsmith.synthesis.gaits.walkable import walkable
+
+UPRIGHT = 0.9  # cosine of the torso's tilt
+
+
+@pytest.fixture(scope="module")
+def controller(robot):
+    return Controller(robot)
+
+
+@pytest.fixture(scope="module")
+def plan(dynamic, robot):
+    return walkable([dynamic.gait], robot)
+
+
+def run(controller, plan, duration, push=None, tracking="whole-body", **conditions):
+    """Least cosine of the tilt, forward distance, and the controller."""
+    plant = Plant(controller.robot, **conditions)
+    plant.reset(*plan.start)
+    controller.reset()
+    controller.load(plan, tracking)
+    controller.follow()
+    begin, least = float(plant.q[0]), 1.0
+    for tick in range(round(duration / plant.control_step)):
+        plant.measure(controller.measurement)
+        torque = controller.tick()
+        if push is not None:
+            time, impulse = push
+            plant.push(np.array(impulse) / 0.1 if time <= tick * plant.control_step < time + 0.1 else np.zeros(3))
+        plant.step(torque)
+        x, y = plant.q[4:6]
+        least = min(least, 1.0 - 2.0 * (x * x + y * y))
+        if least < UPRIGHT:
+            break
+    return least, float(plant.q[0]) - begin
+
+
+def test_the_planned_gait_walks_as_fast_as_planned_and_the_events_are_counted(controller, plan):
+    least, distance = run(controller, plan, 6.0)
+    assert least > UPRIGHT
+    assert distance == pytest.approx(6.0 * plan.speed, rel=0.02)
+    assert controller.telemetry.step_count[0] == pytest.approx(12, abs=1)
+    assert controller.state == "following"
+
+
+def test_other_masses_than_planned_do_not_change_the_speed(controller, plan):
+    least, distance = run(controller, plan, 8.0, mass_factor=1.1)
+    assert least > UPRIGHT
+    assert distance == pytest.approx(8.0 * plan.speed, rel=0.02)
+
+
+def test_delay_and_pushes_that_the_replay_falls_over(controller, plan):
+    assert run(controller, plan, 4.0, torque_delay=0.005)[0] > UPRIGHT
+    assert run(controller, plan, 6.0, torque_delay=0.005, tracking="replay")[0] < UPRIGHT
+    for impulse in ((3.0, 0.0, 0.0), (-3.0, 0.0, 0.0), (0.0, 3.0, 0.0), (0.0, -3.0, 0.0)):
+        assert run(controller, plan, 4.5, push=(1.6, impulse))[0] > UPRIGHT
+
+
+def test_the_replay_walks_undisturbed(controller, plan):
+    least, distance = run(controller, plan, 3.0, tracking="replay")
+    assert least > UPRIGHT
+    assert distance == pytest.approx(3.0 * plan.speed, rel=0.05)
+
+
+def test_while_a_plan_runs_other_motions_are_refused_and_damping_is_not(controller, dynamic, robot):
+    step = walkable([dynamic.gait], robot, 1)
+    controller.reset()
+    controller.load(step)
+    controller.follow()
+    for order in (lambda: controller.command(speed=(0.1, 0.0)), controller.walk, controller.stand):
+        with pytest.raises(BadInput, match=f"nothing while {step.name} runs"):
+            order()
+    with pytest.raises(BadInput, match="tracking: got 'other'"):
+        controller.load(step, "other")
+    controller.damp()
+    controller.command(speed=(0.1, 0.0))
+    controller.follow()
+    assert controller.follows
+    controller.reset()
+    assert not controller.follows
