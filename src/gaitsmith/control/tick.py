@@ -96,7 +96,8 @@ def _choose_state(table: int) -> None:
         control.state[0] = AIRBORNE
         step.mode[0] = STAND
     else:
-        if control.state[0] == AIRBORNE or control.state[0] == OFF or control.state[0] == DAMPING:
+        before = control.state[0]
+        if before in (AIRBORNE, OFF, DAMPING, FOLLOWING):
             g.body.fresh[0] = 1
             step.heading_set[0] = 0
         control.state[0] = STANDING
