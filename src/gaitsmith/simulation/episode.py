@@ -29,7 +29,7 @@ from gaitsmith.simulation.fall import Fall, explain
 from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of
+from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
@@ -117,7 +117,7 @@ class Simulation:
             mass_factor=scenario.mass_factor,
             mass_spread=scenario.mass_spread,
             seed=scenario.seed,
-            region=scenario.region(),
+            region=scenario.region() if self.plan is None else region_of(self.plan, scenario),
             props=balls_of(self.plan, self.robot),
         )
         for push in scenario.pushes:

@@ -15,6 +15,7 @@ from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.props import Ball
 from gaitsmith.simulation.scenario import Scenario
 from gaitsmith.simulation.summary import BallReport, FootPitch, Tracking
+from gaitsmith.simulation.terrain import Region
 from gaitsmith.synthesis.files.gait_file import load_robot_of, read_gait
 from gaitsmith.synthesis.gaits.walkable import walkable
 from gaitsmith.whole_body.reference import FLAT, NONE, TOE
@@ -60,6 +61,13 @@ def balls_of(plan: Plan | None, robot: Robot) -> tuple[Ball, ...]:
     ball = Ball((0.0, 0.0, 0.0))
     x, y, _ = plan.ball
     return (Ball((x + robot.legs[0].sole.toe + ball.radius, y, ball.radius)),)
+
+
+def region_of(plan: Plan, scenario: Scenario) -> Region:
+    """Ground around the plan's path."""
+    far = plan.forward(min(scenario.duration, plan.duration))
+    region = scenario.region()
+    return Region((region.x[0] + min(far, 0.0), region.x[1] + max(far, 0.0)), region.y)
 
 
 class Tracked:

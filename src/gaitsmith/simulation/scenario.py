@@ -158,7 +158,7 @@ class Scenario(Command):
         """Check what no single field can tell."""
         parse_terrain(self.terrain)
         self._check_gait_file()
-        if self.rest_before + self.rest_after > self.duration:
+        if self.rest_before + self.rest_after > self.duration and not self.gait:
             raise BadInput(
                 "duration",
                 self.duration,
@@ -182,11 +182,11 @@ class Scenario(Command):
         """A gait file is followed from the beginning, and nothing of it can be commanded."""
         if not self.gait:
             for name in ("cycles", "tracking"):
-                if name in self.model_fields_set and getattr(self, name) is not None:
+                if getattr(self, name) != type(self).model_fields[name].default:
                     raise BadInput(name, getattr(self, name), "nothing without a gait file", "add gait")
             return
         for name in (*GAIT_INPUTS, "changes", "rest_before", "rest_after"):
-            if name in self.model_fields_set and getattr(self, name):
+            if getattr(self, name) not in (None, 0.0, type(self).model_fields[name].default):
                 raise BadInput(name, getattr(self, name), "nothing with a gait file", "the file decides")
 
     @property
