@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,15 @@ LATE = 1.0  # s of wall time that a killed run may lose
 WALK = ["walk", "--duration", "100000", "--rest-before", "0.1", "--no-figures", "--out"]
 
 
+@cache
+def _compiled() -> None:
+    """Once, so that no process has to wait for it."""
+    run("walk", *SHORT)
+
+
 def _begun(folder: Path) -> subprocess.Popen[str]:
     """A run in a process of its own that has begun its log."""
+    _compiled()
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     words = [sys.executable, "-m", "gaitsmith", *WALK, str(folder), "--json"]
     process = subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

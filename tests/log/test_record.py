@@ -8,7 +8,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
@@ -142,6 +142,19 @@ def test_a_changed_byte_ends_the_log_before_its_chunk():
     log = read_stream(io.BytesIO(bytes(spoilt)), "run.mcap")
     assert log.rows[:, 1].tolist() == list(range(20))
     assert not log.complete
+
+
+@settings(max_examples=300)
+@given(st.integers(0, 10**6), st.integers(1, 255))
+def test_any_changed_byte_leaves_a_beginning_or_one_line(place, change):
+    content = bytearray(_streamed(40, 10, True)[0])
+    content[place % len(content)] ^= change
+    try:
+        log = read_stream(io.BytesIO(bytes(content)), "run.mcap")
+    except BadInput as error:
+        assert "\n" not in str(error)
+    else:
+        assert log.rows[:, 1].tolist() == list(range(len(log.rows)))
 
 
 def test_what_is_old_enough_is_on_disk(monkeypatch):

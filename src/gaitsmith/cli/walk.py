@@ -119,6 +119,9 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
             return simulation, simulation.run(tell)
         except BaseException as error:
             with uninterrupted():
+                if isinstance(error, KeyboardInterrupt) and simulation is not None and simulation.tick > 0:
+                    simulation.interrupted = True
+                    return simulation, simulation.finish()
                 if made is not None and (simulation is None or simulation.tick == 0):
                     made.discard()
                 elif made is not None and simulation is not None and isinstance(error, GaitsmithError):

@@ -22,6 +22,7 @@ import numpy.typing as npt
 import zstandard
 from mcap import records as mcap
 from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from gaitsmith.errors import BadInput
@@ -38,6 +39,16 @@ _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 _LEVEL = -1  # of compression: twice as fast as 1, and the file a fiftieth larger
 _LARGEST = 1 << 28  # bytes of a record, packed or unpacked, that is read back
+_DAMAGE = (
+    AttributeError,
+    KeyError,
+    TypeError,
+    ValueError,
+    RecursionError,
+    struct.error,
+    McapError,
+    zstandard.ZstdError,
+)
 Event = dict[str, Any]
 
 
@@ -239,7 +250,7 @@ class ChunkReader:
             self.head = Head(columns, int(notes["decimation"]), int(notes["dropped"]), dict(notes["notes"]))
         except StopIteration:
             raise BadInput(source, "a file without columns", valid, "it was cut before its first row") from None
-        except (KeyError, TypeError, ValueError, EOFError, struct.error) as error:
+        except _DAMAGE as error:
             raise BadInput(source, type(error).__name__, valid) from None
 
     def __iter__(self) -> Iterator[npt.NDArray[np.float64]]:
@@ -251,7 +262,7 @@ class ChunkReader:
                 try:
                     unpacked = _unpacked(content)
                     rows = [part for part in _messages(unpacked, pattern, self.events) if len(part)]
-                except (zstandard.ZstdError, KeyError, TypeError, ValueError, struct.error):
+                except _DAMAGE:
                     return
                 yield from rows
             elif opcode == Opcode.FOOTER:

@@ -15,7 +15,13 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.episode import Simulation as Simulation
     from gaitsmith.simulation.episode import run_episode as run_episode
     from gaitsmith.simulation.fall import Fall as Fall
+    from gaitsmith.simulation.loop import Backend as Backend
+    from gaitsmith.simulation.loop import Loop as Loop
+    from gaitsmith.simulation.loop import Order as Order
+    from gaitsmith.simulation.loop import Script as Script
+    from gaitsmith.simulation.loop import replayed as replayed
     from gaitsmith.simulation.plant import Plant as Plant
+    from gaitsmith.simulation.props import Ball as Ball
     from gaitsmith.simulation.scenario import Scenario as Scenario
     from gaitsmith.simulation.scenario import load_scenario as load_scenario
     from gaitsmith.simulation.sensors import SensorNoise as SensorNoise
@@ -29,7 +35,9 @@ __getattr__, __dir__ = lazily(
         "disturbances": "Push",
         "episode": "Episode Simulation run_episode",
         "fall": "Fall",
+        "loop": "Backend Loop Order Script replayed",
         "plant": "Plant",
+        "props": "Ball",
         "scenario": "Scenario load_scenario",
         "sensors": "SensorNoise",
         "summary": "Summary",

@@ -233,9 +233,20 @@ class Simulation:
             with contextlib.suppress(BadInput):
                 self._close()
             raise
-        self._close()
         if progress is not None and not self.interrupted:
             progress(self.time)
+        return self.finish()
+
+    def finish(self) -> Episode:
+        """Finish the log and sum up.
+
+        Raises:
+            BadInput: the disk is full.
+        """
+        try:
+            self._close()
+        except KeyboardInterrupt:  # the log waits with it until it is in order
+            self.interrupted = True
         return Episode(self.summary(), self._file, self.interrupted)
 
     def _close(self) -> None:
