@@ -5,10 +5,12 @@ OMP_NUM_THREADS=1 python benchmarks/random_starts.py
 
 import time
 
+import numpy as np
+
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Settings, StepParameters
 from gaitsmith.synthesis.motions.catalogue import cyclic
-from gaitsmith.synthesis.program.guess import random_start
+from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.transcription import Transcription
 
 
@@ -18,7 +20,9 @@ def main() -> None:
     values = []
     for seed in range(10):
         begin = time.perf_counter()
-        start = random_start(Transcription(planner.biped, motion, settings), seed, 0.2)
+        trans = Transcription(planner.biped, motion, settings)
+        start, moved = default_start(trans), planner.biped.joints * trans.spline.size
+        start[:moved] += np.random.default_rng(seed).uniform(-0.2, 0.2, moved)
         found = planner.plan(motion, settings, start=start)
         values.append(found.objective)
         print(f"{seed}: {found.status}, J = {found.objective:.4f}, {found.iterations} iterations, "

@@ -1,1 +1,1 @@
-"""Planned gaits: curves, files, full states, repetition and export."""
+"""Planned gaits: curves, full states, steps unrolled, ZMP and support, plans for the controller."""

@@ -1,4 +1,4 @@
-"""Where the solver starts: standing still in a slight squat, or that moved at random."""
+"""Where the solver starts: standing still in a slight squat."""
 
 from __future__ import annotations
 
@@ -20,12 +20,4 @@ def default_start(trans: Transcription) -> Array:
     for index, phase in enumerate(trans.motion.phases):
         if phase.double:
             x[trans.wrench_columns(index)[2]] = 0.5
-    return x
-
-
-def random_start(trans: Transcription, seed: int, spread: float = 0.1) -> Array:
-    """The default start with every joint's control points moved at random by up to ``spread`` rad."""
-    x = default_start(trans)
-    n = trans.biped.joints * trans.spline.size
-    x[:n] += np.random.default_rng(seed).uniform(-spread, spread, n)
     return x

@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 
 from gaitsmith.synthesis.program.program import Program
-from gaitsmith.synthesis.program.rows import Label
 from gaitsmith.synthesis.program.transcription import Transcription
-from gaitsmith.synthesis.solution.elastic import Elastic
+from gaitsmith.synthesis.solution.elastic import Elastic, Excess, excess_of
 from gaitsmith.synthesis.solution.ipopt import Solution
 
 _TOLD = 2  # bounds that a reason names
@@ -33,15 +32,11 @@ def lacking(trans: Transcription, least: Elastic) -> str:
 
     Where hardly any bound is exceeded and the conditions still do not hold, it is they that contradict each other.
     """
-    unmet = least.unmet
-    if unmet is not None and all(item.share < _SLIGHT for item in least.excesses):
-        where = place(trans, unmet.label.phase, unmet.label.time)
-        pair = _pair(unmet.label, unmet.value, unmet.limit)
-        return f"no solution: the conditions do not hold together, whatever the robot could do: {pair} at {where}"
-    said = [
-        f"{_pair(e.label, e.value, e.limit)} at {place(trans, e.label.phase, e.label.time)}" for e in least.excesses
-    ]
-    return f"no solution: it would take {', and '.join(said[:_TOLD])}"
+    if least.unmet is not None and all(item.share < _SLIGHT for item in least.excesses):
+        text = _described(trans, least.unmet)
+        return f"no solution: the conditions do not hold together, whatever the robot could do: {text}"
+    said = [_described(trans, item) for item in least.excesses[:_TOLD]]
+    return f"no solution: it would take {', and '.join(said)}"
 
 
 def explain(trans: Transcription, program: Program, found: Solution, late: bool) -> str:
@@ -58,18 +53,17 @@ def explain(trans: Transcription, program: Program, found: Solution, late: bool)
     # A bound says more than the closure that it makes impossible.
     bound_gaps = np.where(unequal, gaps, 0.0)
     row = int(np.argmax(bound_gaps)) if bound_gaps.max(initial=0.0) > 1e-4 else int(np.argmax(gaps))
-    label: Label = program.labels[row]
-    limit = float(program.low[row] if values[row] < program.low[row] else program.high[row])
-    pair = _pair(label, label.shown(float(values[row])), label.shown(limit))
-    return f"{ending}: {pair} at {place(trans, label.phase, label.time)}"
+    return f"{ending}: {_described(trans, excess_of(program, row, values))}"
 
 
-def _pair(label: Label, value: float, limit: float) -> str:
-    """A value beside its limit; "beyond its limit" where the value is measured from there."""
-    if limit == 0.0:
-        return f"{label.name} {abs(value):.3g} {label.unit} beyond its limit"
+def _described(trans: Transcription, excess: Excess) -> str:
+    """A value beside its limit, and where; "beyond its limit" where the value is measured from there."""
+    label, value, limit = excess.label, excess.value, excess.limit
     digits = 3 if f"{value:.3g}" != f"{limit:.3g}" else 7
-    return f"{label.name} {value:.{digits}g} of {limit:.{digits}g} {label.unit}"
+    pair = f"{value:.{digits}g} of {limit:.{digits}g} {label.unit}"
+    if limit == 0.0:
+        pair = f"{abs(value):.3g} {label.unit} beyond its limit"
+    return f"{label.name} {pair} at {place(trans, label.phase, label.time)}"
 
 
 def out_of_reach(trans: Transcription) -> str:

@@ -89,20 +89,20 @@ def solve_elastic(
     for row, label in enumerate(program.labels):
         if program.high[row] > program.low[row] and gaps[row] > max(_NOTHING, gaps[worst.get(label.name, row)] * 0.999):
             worst[label.name] = row
-    excesses = []
     # What the joints lack comes first: a ZMP out of place is often its consequence.
-    for row in sorted(worst.values(), key=lambda row: (program.labels[row].kind not in _JOINT, -gaps[row])):
-        excesses.append(_excess(program, row, values, gaps))
+    order = sorted(worst.values(), key=lambda row: (program.labels[row].kind not in _JOINT, -gaps[row]))
+    excesses = [excess_of(program, row, values) for row in order]
     unequal = program.high > program.low
     row = int(np.argmax(np.where(unequal, 0.0, gaps)))
-    unmet = None if unequal[row] or gaps[row] < _NOTHING else _excess(program, row, values, gaps)
+    unmet = None if unequal[row] or gaps[row] < _NOTHING else excess_of(program, row, values)
     return Elastic(found.solved, x, excesses, unmet)
 
 
-def _excess(program: Program, row: int, values: Array, gaps: Array) -> Excess:
-    label = program.labels[row]
-    limit = program.low[row] if values[row] < program.low[row] else program.high[row]
-    return Excess(label, label.shown(float(values[row])), label.shown(float(limit)), float(gaps[row]))
+def excess_of(program: Program, row: int, values: Array) -> Excess:
+    """What a row exceeds, from the values of all rows."""
+    label, value = program.labels[row], float(values[row])
+    limit = float(program.low[row] if value < program.low[row] else program.high[row])
+    return Excess(label, label.shown(value), label.shown(limit), abs(value - limit))
 
 
 def _columns(program: Program) -> list[int]:

@@ -59,7 +59,6 @@ class Solution:
         status: the solver's word for how it ended.
         iterations: of this solve.
         setup_s: time to build the problem, s.
-        solve_s: time to solve it, s.
         multipliers: of the rows.
     """
 
@@ -68,7 +67,6 @@ class Solution:
     status: str
     iterations: int
     setup_s: float
-    solve_s: float
     multipliers: Array
 
 
@@ -205,6 +203,5 @@ def solve_ipopt(
         status=str(stats["return_status"]),
         iterations=int(stats["iter_count"]),
         setup_s=ready - begin,
-        solve_s=time.perf_counter() - ready,
         multipliers=np.array(result["lam_g"]).ravel(),
     )

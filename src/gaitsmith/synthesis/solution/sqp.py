@@ -88,8 +88,7 @@ def solve_sqp(
         if time.perf_counter() > deadline:
             status = "Maximum_Time_Exceeded"
             break
-    spent = time.perf_counter() - ready
-    return Solution(x, solved, status, iteration, ready - begin, spent, lam)
+    return Solution(x, solved, status, iteration, ready - begin, lam)
 
 
 def _lifted(upper: Caller, *arguments: Array | float) -> sp.csc_matrix:
