@@ -243,27 +243,29 @@ def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layo
     verdict.clearance = _smaller(verdict.clearance, 1e3 * middle.min())
 
 
+def torque_jump(gait: Gait, biped: Biped) -> float:
+    """Largest jump of a joint torque where sections meet, and at the seam of a cyclic gait, N·m."""
+    pieces = [piece for group in gait.pieces for piece in group]
+    starts = np.array([chebyshev(piece.torque, 0.0) for piece in pieces])
+    ends = np.array([chebyshev(piece.torque, 1.0) for piece in pieces])
+    jumps = np.abs(ends[:-1] - starts[1:])
+    if gait.motion.cyclic:
+        jumps = np.vstack([jumps, np.abs(ends[-1] - biped.mirrored(starts[0]))])
+    return float(jumps.max(initial=0.0))
+
+
 def _seams(
     verdict: Verdict, gait: Gait, biped: Biped, finder: StateFinder, edges: list[tuple[FullState, FullState]]
 ) -> None:
     """Jumps where sections and phases meet, the cyclic seam included."""
-    borders = gait.motion.borders
-    last = len(gait.motion.phases) - 1
-    for pieces in gait.pieces:
-        for one, two in pairwise(pieces):
-            jump = np.abs(chebyshev(one.torque, 1.0) - chebyshev(two.torque, 0.0)).max()
-            verdict.torque_jump = _larger(verdict.torque_jump, jump)
-    pairs = [(gait, index, gait, index + 1, edges[index][1], edges[index + 1][0]) for index in range(last)]
+    verdict.torque_jump = torque_jump(gait, biped)
+    pairs = [(before[1], after[0]) for before, after in pairwise(edges)]
     if gait.motion.cyclic:
         image = follow(gait, gait, True, biped.partner, biped.sign)
-        q, v, a = image.joints(0, np.array([image.pieces[0][0].start]))
-        start = finder.find(image.motion.phases[0].support, image.motion.phases[0].foothold, q[:, 0], v[:, 0], a[:, 0])
-        pairs.append((gait, last, image, 0, edges[last][1], start))
-    for before, i, after, j, end, begin in pairs:
-        t0 = np.array([borders[i + 1]])
-        t1 = np.array([after.pieces[j][0].start])
-        jump = np.abs(before.torques(i, t0) - after.torques(j, t1)).max()
-        verdict.torque_jump = _larger(verdict.torque_jump, jump)
+        first = image.motion.phases[0]
+        q, v, a = (values[:, 0] for values in image.joints(0, np.array([image.pieces[0][0].start])))
+        pairs.append((edges[-1][1], finder.find(first.support, first.foothold, q, v, a)))
+    for end, begin in pairs:
         turn = 2.0 * np.arccos(_smaller(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
         found = {
             "position_m": float(np.abs(end.position[:3] - begin.position[:3]).max()),

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import zmp_margin
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, verify
+from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, torque_jump, verify
 from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
@@ -35,17 +34,6 @@ def single_support_margin(gait: Gait, biped: Biped) -> float:
         if not phase.double
     ]
     return min(margins, default=np.inf)
-
-
-def torque_jump(gait: Gait, biped: Biped) -> float:
-    """Largest jump of a joint torque where sections meet, and at the seam of a cyclic gait, N·m."""
-    pieces = [piece for group in gait.pieces for piece in group]
-    starts = np.array([chebyshev(piece.torque, 0.0) for piece in pieces])
-    ends = np.array([chebyshev(piece.torque, 1.0) for piece in pieces])
-    jumps = np.abs(ends[:-1] - starts[1:])
-    if gait.motion.cyclic:
-        jumps = np.vstack([jumps, np.abs(ends[-1] - biped.mirrored(starts[0]))])
-    return float(jumps.max(initial=0.0))
 
 
 def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> dict[str, Any]:
