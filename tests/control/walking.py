@@ -37,9 +37,14 @@ def gait(name: str, **changes: Any) -> GaitParameters:
     return GaitParameters(**{**robot(name).card.gait.model_dump(), **changes})
 
 
+@cache
+def _preset(name: str, preset: str) -> ControlParameters:
+    return preset_parameters(robot(name), robot_scale(robot(name)), preset)
+
+
 def parameters(name: str, preset: str = "default", **groups: dict[str, Any]) -> ControlParameters:
     """A preset with some of its numbers changed."""
-    chosen = preset_parameters(robot(name), robot_scale(robot(name)), preset)
+    chosen = _preset(name, preset)
     return chosen.model_copy(
         update={group: getattr(chosen, group).model_copy(update=values) for group, values in groups.items()}
     )

@@ -1,165 +1,163 @@
-"""Footholds follow eqs. 13 and 15 within their bounds; integral and station push back against what they see."""
+"""Footholds: eq. 15 as printed, the law of a linear pendulum, and the bounds that come last."""
+
+from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.control.walking import Held, parameters
+from tests.template.steps import OMEGA, Array, a_step, forecast, gains, inputs, swing
 
-from gaitsmith.robots.parameters import FootholdParameters, GaitParameters
-from gaitsmith.template.foothold import finish_step, make_foothold_gains, observe_motion
-from gaitsmith.template.step import RIGHT, make_gait, make_step_state
+from gaitsmith.template.foothold import (
+    FootholdGains,
+    SpeedGains,
+    choose_speed,
+    foothold_target,
+    forecast_touchdown,
+    make_speed_gains,
+)
+from gaitsmith.template.step import GaitInputs
 
 EXACT = 1e-12  # m
-SLOW, FAST = st.floats(-0.3, 0.3), st.floats(-2.0, 2.0)
+sides = st.sampled_from([-1.0, 1.0])
+speeds = st.tuples(st.floats(-0.4, 0.4), st.floats(-0.2, 0.2))
+periods = st.floats(0.25, 0.6)
+arms = st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1))
 
 
-def first_foothold(held: Held, speed: tuple[float, float]) -> np.ndarray:
-    """Foothold of the first tick of a walk."""
-    held.controller.command(speed=speed)
-    held.controller.reset()
-    held.controller.walk()
-    held.tick()
-    return held.controller.telemetry.foothold.copy()
+def foothold(
+    law: FootholdGains,
+    gait: GaitInputs,
+    arm: Array,
+    velocity: Array,
+    side: float,
+    time: float = 0.0,
+    beside: float = 0.0,
+) -> Array:
+    """Foothold relative to the CoM, which is at the hip midpoint."""
+    step, cast, out = a_step(gait, time), forecast(), np.zeros(2)
+    cast.arm[:2] = arm
+    forecast_touchdown(step, gait, law, np.asarray(velocity), side, cast)
+    foothold_target(step, gait, law, cast, np.zeros(2), beside, side, out)
+    return out
 
 
-PAPER = parameters("bhr_b2", "paper")
-GAINS = PAPER.foothold  # eq. 15 as printed: present velocity, fixed gain
-HELD, TURNED = Held(chosen=PAPER), Held(chosen=PAPER)
+@given(speeds, arms, speeds, sides, st.floats(0.0, 0.2))
+def test_equation_15(wanted: tuple[float, float], arm: Array, velocity: Array, side: float, time: float) -> None:
+    """With all shares at zero: T v_d / 2 + k_v (v - v_d) around ±W, whatever the pendulum would do."""
+    law = gains(velocity_gain=(0.3, 0.2), deadbeat=0.0, prediction=0.0, mean_speed=0.0, sway=0.0)
+    gait = inputs(speed=wanted)
+    expected = 0.5 * gait.period[0] * gait.speed + [0.3, 0.2] * (np.array(velocity) - wanted)
+    expected[1] += side * gait.width[0]
+    np.testing.assert_allclose(foothold(law, gait, arm, velocity, side, time, -side * 10.0), expected, atol=EXACT)
+
+
+@given(periods, arms, speeds, sides, st.floats(0.0, 1.0))
+def test_a_pendulum_is_stopped_in_one_step(
+    period: float, arm: Array, velocity: Array, side: float, share: float
+) -> None:
+    """Commanded to zero with no width: from any state the next step's end has no speed left, forward and lateral.
+
+    The foothold is asked for at any time of the step, and stays the same as the pendulum swings on.
+    """
+    law, gait = gains(), inputs(period=period, width=1e-12, speed=(0.0, 0.0))
+    time = share * period
+    here, speed = swing(np.array(arm), np.array(velocity), time)
+    place = foothold(law, gait, here, speed, side, time, -side * 10.0)
+    np.testing.assert_allclose(place, foothold(law, gait, arm, velocity, side, 0.0, -side * 10.0), atol=1e-9)
+    _, landed = swing(np.array(arm), np.array(velocity), period)
+    _, end = swing(-place, landed, period)
+    np.testing.assert_allclose(end, 0.0, atol=1e-9)
+
+
+@given(periods, speeds, sides, st.floats(0.05, 0.15), arms)
+def test_the_gait_is_reached_and_kept(
+    period: float, speed: tuple[float, float], side: float, width: float, arm: Array
+) -> None:
+    """From any start: after two steps the mean speed is the commanded one and the soles are 2 W apart."""
+    law, gait = gains(), inputs(period=period, speed=speed, width=width)
+    arm_, velocity, soles = np.array(arm), np.array([0.3, -0.1]), [np.zeros(2)]
+    for _ in range(6):
+        step = foothold(law, gait, arm_, velocity, side, 0.0, -side * 10.0)
+        arm_, velocity = swing(arm_, velocity, period)
+        soles.append(soles[-1] + arm_ + step)
+        arm_, side = -step, -side
+    strides = np.diff(soles, axis=0)[3:]
+    np.testing.assert_allclose(strides[:, 0], period * speed[0], atol=1e-6)
+    np.testing.assert_allclose(strides[:-1, 1] + strides[1:, 1], 2.0 * period * speed[1], atol=1e-6)
+    np.testing.assert_allclose(np.abs(np.diff(strides[:, 1])), 4.0 * width, atol=1e-6)
+
+
+def test_without_sway_the_stance_widens() -> None:
+    """By 1 / (1 - tanh(ωT/2) coth(ωT)): the cause of BHR-B2's wide stance."""
+    law, gait = gains(sway=0.0), inputs()
+    period, width = float(gait.period[0]), float(gait.width[0])
+    arm, velocity, side, strides = np.array([0.0, -width]), np.zeros(2), 1.0, []
+    for _ in range(40):
+        step = foothold(law, gait, arm, velocity, side, 0.0, -side * 10.0)
+        arm, velocity = swing(arm, velocity, period)
+        strides.append(abs(float(arm[1] + step[1])))
+        arm, side = -step, -side
+    expected = 2.0 * width / (1.0 - math.tanh(0.5 * OMEGA * period) / math.tanh(OMEGA * period))
+    assert strides[-1] == pytest.approx(expected, rel=1e-6)
 
 
 @settings(max_examples=60)
-@given(command=st.tuples(SLOW, SLOW), x=SLOW, y=SLOW)
-def test_equation_15(command: tuple[float, float], x: float, y: float) -> None:
-    """T v_d / 2 + k_v (v - v_d) around ±W, as long as no bound is met; the whole robot moves at (x, y)."""
-    HELD.v[:2] = x, y
-    found = first_foothold(HELD, command)
-    velocity, wanted = HELD.controller.telemetry.com_velocity[:2], np.array(command)
-    np.testing.assert_allclose(velocity, [x, y], atol=1e-12)
-    expected = 0.5 * HELD.gait.period * wanted + np.array(GAINS.velocity_gain) * (velocity - wanted)
-    side = 1.0 if HELD.controller.telemetry.stance[0] == RIGHT else -1.0
-    expected[1] += side * HELD.gait.width
-    stance_y = HELD.groups.frames.relative[HELD.groups.step.stance[0], 0, 1]
-    expected[1] = side * max(side * expected[1], side * stance_y + GAINS.separation)
-    np.testing.assert_allclose(found, expected, atol=EXACT)
+@given(speeds, st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)), sides, st.floats(-0.2, 0.2))
+def test_bounds(speed: tuple[float, float], velocity: Array, side: float, beside: float) -> None:
+    """Reach, spread and separation hold however fast the robot moves; the separation is never undone."""
+    law = gains(reach=0.2, spread=0.16, separation=0.11)
+    place = foothold(law, inputs(speed=speed), (0.0, 0.0), velocity, side, 0.0, beside)
+    assert abs(place[0]) <= 0.2
+    assert side * (place[1] - beside) >= 0.11 - EXACT
+    assert abs(place[1]) <= max(0.16, side * beside + 0.11) + EXACT
 
 
-@settings(max_examples=60)
-@given(command=st.tuples(SLOW, SLOW), x=FAST, y=FAST)
-def test_bounds(command: tuple[float, float], x: float, y: float) -> None:
-    """Reach, spread, and separation hold however fast the robot moves."""
-    HELD.v[:2] = x, y
-    found = first_foothold(HELD, command)
-    stance = int(HELD.groups.step.stance[0])
-    outward = 1.0 if stance == RIGHT else -1.0
-    assert abs(found[0]) <= GAINS.reach
-    assert abs(found[1]) <= GAINS.spread
-    assert outward * (found[1] - HELD.groups.frames.relative[stance, 0, 1]) >= GAINS.separation - EXACT
+def test_foothold_is_measured_from_the_com() -> None:
+    """A CoM ahead of the hips takes the foothold with it."""
+    gait, out = inputs(speed=(0.2, 0.0)), np.zeros(2)
+    step, cast = a_step(gait), forecast()
+    places = []
+    for offset in ((0.0, 0.0), (0.05, 0.02)):
+        foothold_target(step, gait, gains(), cast, np.array(offset), -1.0, 1.0, out)
+        places.append(out.copy())
+    np.testing.assert_allclose(places[1] - places[0], [0.05, 0.02], atol=EXACT)
 
 
-@settings(max_examples=20)
-@given(yaw=st.floats(-3.1, 3.1))
+SPEED: SpeedGains = make_speed_gains(parameters("thbip_ii").speed)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("drift", [0.01, -0.01, 5.0, -5.0])
+def test_station_keeping_walks_home(axis: int, drift: float) -> None:
+    """Speed against the drift, proportional up to a bound; only once a station is kept."""
+    gait, cast = inputs(), forecast()
+    step = a_step(gait)
+    cast.drift[axis], step.integral[:] = drift, (0.01, 0.02)
+    choose_speed(step, gait, SPEED, cast)
+    np.testing.assert_array_equal(step.speed, gait.speed + step.integral)
+    step.station_kept[0] = 1
+    choose_speed(step, gait, SPEED, cast)
+    gain = (SPEED.station_gain_x, SPEED.station_gain_y)[axis]
+    home = -np.clip(gain * drift, -SPEED.station_limit, SPEED.station_limit)
+    assert step.speed[axis] - gait.speed[axis] - step.integral[axis] == pytest.approx(home)
+    assert step.speed[1 - axis] == gait.speed[1 - axis] + step.integral[1 - axis]
+
+
+@pytest.mark.parametrize("yaw", [-2.0, 0.5, 3.0])
 def test_foothold_does_not_depend_on_the_heading(yaw: float) -> None:
     """Turned by any angle, the robot steps to the same place in its heading frame."""
-    HELD.v[:2] = 0.2, -0.1
-    straight = first_foothold(HELD, (0.1, 0.05))
-    c, s = np.cos(yaw), np.sin(yaw)
-    TURNED.q[3:7] = np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)
-    TURNED.v[:2] = 0.2 * c + 0.1 * s, 0.2 * s - 0.1 * c
-    np.testing.assert_allclose(first_foothold(TURNED, (0.1, 0.05)), straight, atol=1e-9)
-
-
-@pytest.mark.parametrize("speed", [-0.3, 0.0, 0.4])
-def test_a_pendulum_at_its_periodic_speed_is_left_alone(speed: float) -> None:
-    """With the forecast on, a linear pendulum that walks at the commanded speed steps half a step ahead of its CoM."""
-    pendulum = {"deadbeat": 1.0, "prediction": 1.0, "mean_speed": 1.0}
-    held = Held(chosen=parameters("bhr_b2", "paper", foothold=pendulum), width=0.1)
-    first_foothold(held, (speed, 0.0))
-    frames, com = held.groups.frames, held.groups.tree_state.com
-    stance = int(held.groups.step.stance[0])
-    arm = com - frames.sole_position[stance]
-    omega, period = np.sqrt(9.81 / arm[2]), held.gait.period
-    # At mid-step the periodic pendulum is above its foot; move the robot's body there in velocity alone.
-    end = 0.5 * omega * period / np.tanh(0.5 * omega * period) * speed
-    held.v[0] = (end - omega * np.sinh(omega * period) * arm[0]) / np.cosh(omega * period)
-    found = first_foothold(held, (speed, 0.0))
-    offset = com[0] - frames.hip_position[0]
-    np.testing.assert_allclose(found[0], 0.5 * period * speed + offset, atol=1e-9)
-
-
-BASE = FootholdParameters(
-    velocity_gain=(0.3, 0.3),
-    integral_gain=(0.05, 0.04),
-    integral_limit=0.1,
-    station_gain=(0.1, 0.1),
-    reach=0.4,
-    spread=0.35,
-    separation=0.09,
-)
-
-
-def finished(velocity: tuple[float, float], steps: int, speed: tuple[float, float] = (0.2, 0.0)) -> np.ndarray:
-    """Integral after some steps at a constant velocity."""
-    step, gait = make_step_state(), make_gait(GaitParameters(speed=speed, period=0.4, height=0.7, lift=0.1, width=0.04))
-    step.settling[0] = 1  # the first step has no stride
-    for _ in range(steps):
-        for _ in range(10):
-            observe_motion(step, np.array(velocity), np.zeros(2))
-        finish_step(step, gait, make_foothold_gains(BASE))
-    return step.integral.copy()
-
-
-def test_integral_grows_while_the_robot_is_too_slow() -> None:
-    """The foothold is at minus the integral: too slow, it moves back, and the robot falls forward."""
-    assert (finished((0.1, -0.1), 5) > 0.0).all()
-    assert (finished((0.3, 0.1), 5) < 0.0).all()
-    np.testing.assert_allclose(finished((0.2, 0.0), 30)[1], 0.0, atol=EXACT)
-
-
-def test_integral_adds_gain_times_mean_error_and_is_bounded() -> None:
-    step_by_step = finished((0.1, 0.0), 4) - finished((0.1, 0.0), 3)
-    np.testing.assert_allclose(step_by_step, [0.05 * 0.1, 0.0], atol=EXACT)
-    np.testing.assert_allclose(finished((-2.0, 5.0), 200), [0.1, -0.1], atol=EXACT)
-
-
-def test_lateral_sway_does_not_fill_the_integral() -> None:
-    """Opposite sway on the two legs has no mean over a stride."""
-    step, gait = make_step_state(), make_gait(GaitParameters(period=0.4, height=0.7, lift=0.1, width=0.04))
-    step.settling[0] = 1
-    for k in range(21):
-        observe_motion(step, np.array([0.0, 0.3 * (-1) ** k]), np.zeros(2))
-        finish_step(step, gait, make_foothold_gains(BASE))
-    assert abs(step.integral[1]) <= EXACT
-
-
-def test_a_step_without_ticks_teaches_nothing() -> None:
-    step, gait = make_step_state(), make_gait(GaitParameters(period=0.4, height=0.7, lift=0.1, width=0.04))
-    step.integral[0], step.last_mean_velocity[0] = 0.02, 0.1
-    finish_step(step, gait, make_foothold_gains(BASE))
-    assert (step.integral[0], step.last_mean_velocity[0]) == (0.02, 0.1)
-
-
-def test_station_is_the_mean_place_of_a_stride() -> None:
-    """Until it is kept; then it stays."""
-    step, gait = make_step_state(), make_gait(GaitParameters(period=0.4, height=0.7, lift=0.1, width=0.04))
-    for x in (1.0, 3.0):
-        observe_motion(step, np.zeros(2), np.array([x, -x]))
-        finish_step(step, gait, make_foothold_gains(BASE))
-    np.testing.assert_allclose(step.station, [2.0, -2.0], atol=EXACT)
-    step.station_kept[0] = 1
-    observe_motion(step, np.zeros(2), np.array([9.0, 9.0]))
-    finish_step(step, gait, make_foothold_gains(BASE))
-    np.testing.assert_allclose(step.station, [2.0, -2.0], atol=EXACT)
-
-
-@pytest.mark.parametrize(("drift", "axis"), [(0.2, 0), (0.2, 1), (5.0, 0), (-5.0, 1)])
-def test_station_keeping_steps_further_out(drift: float, axis: int) -> None:
-    """Drifted forward, the robot steps further forward and falls back; the offset is bounded."""
-    gains = GAINS.model_copy(update={"station_gain": (0.1, 0.08), "station_limit": 0.05})
-    held = Held(chosen=PAPER.model_copy(update={"foothold": gains}), width=0.1)
-    at_home = first_foothold(held, (0.0, 0.0))
-    held.groups.step.station[axis] -= drift
-    held.tick()
-    offset = float(np.clip(gains.station_gain[axis] * drift, -gains.station_limit, gains.station_limit))
-    moved = held.controller.telemetry.foothold - at_home
-    np.testing.assert_allclose(moved[axis], offset, atol=EXACT)
+    found, c, s = [], math.cos(yaw), math.sin(yaw)
+    for turned in (False, True):
+        held = Held("thbip_ii")
+        held.v[:2] = (0.2 * c + 0.1 * s, 0.2 * s - 0.1 * c) if turned else (0.2, -0.1)
+        if turned:
+            held.q[3:7] = math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)
+        held.controller.command(speed=(0.1, 0.05))
+        held.controller.walk()
+        held.tick()
+        found.append(held.controller.telemetry.foothold.copy())
+    np.testing.assert_allclose(found[1], found[0], atol=1e-9)

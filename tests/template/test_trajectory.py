@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gaitsmith.robots.parameters import GaitParameters
-from gaitsmith.template.step import Gait, StepState, make_gait, make_step_state
-from gaitsmith.template.trajectory import support_height, swing_foot
+from gaitsmith.template.step import GaitInputs, StepState, make_gait_inputs, make_step_state
+from gaitsmith.template.trajectory import smooth_share, support_height, swing_foot, swing_pitch, swing_yaw
 
 EXACT = 1e-9  # m, m/s, m/s²: rounding of a closed form whose terms reach 1e3
 JOIN = 1e-6  # s, on both sides of the joint
@@ -25,22 +25,24 @@ seeds = st.integers(0, 2**32 - 1)
 
 def a_step(seed: int) -> tuple[StepState, np.ndarray]:
     """A step that starts from a random state of both soles, and a foothold."""
-    rng, step = np.random.default_rng(seed), make_step_state()
-    step.support_start[:] = rng.normal(size=(3, 3)) * [[0.2], [0.5], [2.0]]
-    step.support_start[0, 2] = -rng.uniform(0.4, 0.75)
+    rng, step = np.random.default_rng(seed), make_step_state(2, 4)
+    step.support_start[:] = rng.normal(size=3) * [0.2, 0.5, 2.0]
+    step.support_start[0] = -rng.uniform(0.4, 0.75)
     step.swing_start[:] = rng.normal(size=(2, 3)) * [[0.2], [0.5]]
     step.swing_start[0, 2] = -rng.uniform(0.4, 0.75)
     return step, rng.uniform(-0.3, 0.3, size=2)
 
 
-def support_at(step: StepState, gait: Gait, time: float) -> np.ndarray:
-    step.time[0], out = time, np.zeros(3)
+def support_at(step: StepState, gait: GaitInputs, time: float) -> np.ndarray:
+    step.time[0] = step.place[0] = time
+    out = np.zeros(3)
     support_height(step, gait, out)
     return out
 
 
-def swing_at(step: StepState, gait: Gait, foothold: np.ndarray, time: float) -> np.ndarray:
-    step.time[0], out = time, np.zeros((3, 3))
+def swing_at(step: StepState, gait: GaitInputs, foothold: np.ndarray, time: float) -> np.ndarray:
+    step.time[0] = step.place[0] = time
+    out = np.zeros((3, 3))
     swing_foot(step, gait, foothold, -gait.height[0], DESCENT, np.zeros(3), out)
     return out
 
@@ -48,16 +50,16 @@ def swing_at(step: StepState, gait: Gait, foothold: np.ndarray, time: float) -> 
 @given(gaits, seeds)
 def test_support_goes_from_its_desired_state_to_the_height(parameters: GaitParameters, seed: int) -> None:
     """First rule of section 2.2 at the start, eq. 7 at the end."""
-    gait, (step, _) = make_gait(parameters), a_step(seed)
-    np.testing.assert_allclose(support_at(step, gait, 0.0), step.support_start[:, 2], atol=EXACT)
+    gait, (step, _) = make_gait_inputs(parameters), a_step(seed)
+    np.testing.assert_allclose(support_at(step, gait, 0.0), step.support_start, atol=EXACT)
     np.testing.assert_allclose(support_at(step, gait, parameters.period), [-parameters.height, 0.0, 0.0], atol=EXACT)
 
 
 @given(gaits)
 def test_support_at_its_height_stays_there(parameters: GaitParameters) -> None:
     """Eq. 7 to the letter: nothing moves."""
-    gait, step = make_gait(parameters), make_step_state()
-    step.support_start[0, 2] = -parameters.height
+    gait, step = make_gait_inputs(parameters), make_step_state(2, 4)
+    step.support_start[0] = -parameters.height
     for time in np.linspace(0.0, 1.5 * parameters.period, 20):
         np.testing.assert_allclose(support_at(step, gait, time), [-parameters.height, 0.0, 0.0], atol=EXACT)
 
@@ -65,7 +67,7 @@ def test_support_at_its_height_stays_there(parameters: GaitParameters) -> None:
 @given(gaits, seeds)
 def test_swing_boundary_conditions(parameters: GaitParameters, seed: int) -> None:
     """From the actual state (second rule of section 2.2) over the lift to rest on the foothold (eqs. 10-12)."""
-    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
     landing = np.array([*foothold, -parameters.height])
     start = swing_at(step, gait, foothold, 0.0)
     np.testing.assert_allclose(start[:2], step.swing_start, atol=EXACT)
@@ -80,7 +82,7 @@ def test_swing_boundary_conditions(parameters: GaitParameters, seed: int) -> Non
 @given(gaits, seeds)
 def test_sections_join_with_equal_acceleration(parameters: GaitParameters, seed: int) -> None:
     """No jump at αT beyond what a microsecond of the curve's own jerk makes."""
-    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
     joint = parameters.alpha * parameters.period
     before = swing_at(step, gait, foothold, joint - JOIN)
     after = swing_at(step, gait, foothold, joint + JOIN)
@@ -92,7 +94,7 @@ def test_sections_join_with_equal_acceleration(parameters: GaitParameters, seed:
 @given(gaits, seeds, st.floats(0.02, 0.98))
 def test_rates_are_the_derivatives(parameters: GaitParameters, seed: int, share: float) -> None:
     """Velocity and acceleration by central differences, away from the joint."""
-    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
     period, delta = parameters.period, 1e-5
     time = share * period
     if abs(time - parameters.alpha * period) < 2.0 * delta:
@@ -106,7 +108,7 @@ def test_rates_are_the_derivatives(parameters: GaitParameters, seed: int, share:
 @given(gaits, seeds, st.floats(0.0, 0.6))
 def test_late_sole_goes_on_downwards(parameters: GaitParameters, seed: int, late: float) -> None:
     """Past T it stays over the foothold and sinks at the given speed, without a jump."""
-    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
     late = max(late, 1e-6)
     found = swing_at(step, gait, foothold, parameters.period + late)
     np.testing.assert_allclose(found[0], [*foothold, -parameters.height - DESCENT * late], atol=EXACT)
@@ -117,7 +119,7 @@ def test_late_sole_goes_on_downwards(parameters: GaitParameters, seed: int, late
 @given(gaits, seeds)
 def test_foothold_may_move_during_the_step(parameters: GaitParameters, seed: int) -> None:
     """The curve is linear in the foothold, and its end is wherever the foothold is now."""
-    gait, (step, foothold) = make_gait(parameters), a_step(seed)
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
     time = 0.7 * parameters.period
     here = swing_at(step, gait, foothold, time)
     shift = np.array([0.1, -0.05])
@@ -125,3 +127,46 @@ def test_foothold_may_move_during_the_step(parameters: GaitParameters, seed: int
     twice = swing_at(step, gait, foothold + 2.0 * shift, time) - here
     np.testing.assert_allclose(twice, 2.0 * once, atol=EXACT)
     assert not np.any(once[:, 2])
+
+
+@given(gaits, seeds, st.floats(0.3, 3.0))
+def test_a_shortened_step_runs_the_same_curve_faster(parameters: GaitParameters, seed: int, rate: float) -> None:
+    """Place on the curve decides where the sole is; its rate scales velocity once and acceleration twice."""
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
+    usual = swing_at(step, gait, foothold, 0.6 * parameters.period)
+    step.rate[0] = rate
+    fast = swing_at(step, gait, foothold, 0.6 * parameters.period)
+    np.testing.assert_allclose(fast, usual * np.array([[1.0], [rate], [rate**2]]), atol=EXACT)
+
+
+@given(gaits, st.floats(-0.3, 0.3))
+def test_the_swing_sole_is_level_when_it_has_been_lifted(parameters: GaitParameters, pitch: float) -> None:
+    """From its pitch at the switch to none at αT, and none from then on."""
+    gait, step = make_gait_inputs(parameters), make_step_state(2, 4)
+    step.swing_pitch_start[0] = pitch
+    assert swing_pitch(step, gait) == pitch
+    for time in (parameters.alpha * parameters.period, parameters.period, 1.5 * parameters.period):
+        step.time[0] = step.place[0] = time
+        assert abs(swing_pitch(step, gait)) < EXACT
+
+
+@given(gaits, st.floats(-1.0, 1.0), st.floats(-0.3, 0.3))
+def test_the_sole_lands_half_a_steps_turn_ahead(parameters: GaitParameters, rate: float, start: float) -> None:
+    """The heading turns on while the sole stands: half of it behind, half ahead. At first the sole is where it was."""
+    gait = make_gait_inputs(parameters.model_copy(update={"yaw_rate": rate}))
+    step = make_step_state(2, 4)
+    step.swing_yaw_start[0] = start
+    assert swing_yaw(step, gait) == start
+    for time in (parameters.period, 1.3 * parameters.period):
+        step.time[0] = step.place[0] = time
+        assert abs(swing_yaw(step, gait) - 0.5 * rate * parameters.period) < EXACT
+
+
+@given(st.floats(0.1, 2.0))
+def test_a_smooth_share_goes_from_nothing_to_all(span: float) -> None:
+    """Without a slope at either end; all of it past the end, and at once for no span."""
+    shares = [smooth_share(time, span) for time in np.linspace(0.0, span, 50)]
+    assert (shares[0], shares[-1], smooth_share(2.0 * span, span), smooth_share(0.0, 0.0)) == (0.0, 1.0, 1.0, 1.0)
+    assert (np.diff(shares) > 0.0).all()
+    assert shares[1] < 0.002
+    assert shares[-2] > 0.998
