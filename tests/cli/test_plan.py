@@ -1,4 +1,4 @@
-"""Commands plan, verify, export and play: exit codes, documents, one line when something is wrong."""
+"""Commands plan, verify, export, and walk with a gait file: exit codes, documents, one line when something is wrong."""
 
 import json
 
@@ -65,16 +65,44 @@ def test_verify_of_an_edited_file_fails(gait, tmp_path, capsys):
     bad.write_text(json.dumps(content))
     assert main(["verify", str(bad), "--json"]) == 1
     assert _document(capsys)["ok"] is False
-    assert main(["play", str(bad)]) == 2
+    assert main(["walk", "--gait", str(bad)]) == 2
     assert "edited" in capsys.readouterr().err
 
 
-def test_play_and_export(gait, tmp_path, capsys):
-    assert main(["play", str(gait), "--steps", "4", "--json"]) == 0
-    assert _document(capsys)["stood"] is True
+def test_walk_and_export(gait, tmp_path, capsys):
+    assert (
+        main(["walk", "--gait", str(gait), "--cycles", "4", "--json", "--out", str(tmp_path / "run"), "--no-figures"])
+        == 0
+    )
+    document = _document(capsys)
+    assert document["fell"] is False
+    tracking = document["tracking"]
+    assert tracking["ended"] is True
+    assert tracking["distance"] == pytest.approx(tracking["planned_distance"], rel=0.03)
+    assert tracking["ball"] is None
+    assert set(tracking["foot_pitch_deg"]) == {"strike", "off", "planned_strike", "planned_off"}
+    assert main(["walk", str(tmp_path / "run" / "scenario.toml"), "--duration", "1", "--json"]) == 0
+    assert _document(capsys)["duration"] == pytest.approx(1.0)
     out = tmp_path / "rows.csv"
     assert main(["export", str(gait), "--rate", "200", "--out", str(out), "--json"]) == 0
     assert _document(capsys)["rows"] == len(out.read_text().splitlines()) - 1
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--speed", "0.2"], "--speed"),
+        (["--rest-after", "1"], "--rest-after"),
+        (["--cycles", "0"], "--cycles"),
+        (["--robot", "bhr_b2"], "--gait"),
+        (["--tracking", "other"], "--tracking"),
+    ],
+)
+def test_what_a_planned_walk_cannot_do_is_one_line(gait, words, told, capsys):
+    assert main(["walk", "--gait", str(gait), *words]) == 2
+    error = capsys.readouterr().err.strip()
+    assert error.startswith(f"gaitsmith: {told}")
+    assert len(error.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
@@ -93,7 +121,9 @@ def test_play_and_export(gait, tmp_path, capsys):
         (["plan", "cyclic", "--out", "/dev/null"], 2),
         (["plan", "--claims", "--robot", "bhr_b2"], 2),
         (["export", "nowhere.json"], 2),
-        (["play", "nowhere.json", "--friction", "-1"], 2),
+        (["walk", "--gait", "nowhere.json"], 2),
+        (["walk", "--cycles", "3"], 2),
+        (["walk", "--tracking", "replay"], 2),
     ],
 )
 def test_what_is_wrong_is_one_line(words, code, capsys):

@@ -120,7 +120,7 @@ def test_help_shows_the_real_defaults(capsys: pytest.CaptureFixture[str]) -> Non
         f"(default: {Request.cycles}, from 0 to {MOST_CYCLES})",
     ):
         assert part in shown
-    for command in ("verify", "export", "play"):
+    for command in ("verify", "export"):
         assert main([command, "--help"]) == 0
         assert "scenario" not in capsys.readouterr().out
 

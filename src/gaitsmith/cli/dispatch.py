@@ -58,7 +58,6 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
     ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),
-    ("play",): Command("gaitsmith.cli.play", "play", "replay a gait file in closed loop with physics"),
     ("log", "check"): Command("gaitsmith.cli.log_check", "check", "what a run recorded; mends what a killed one left"),
     ("robots", "list"): Command("gaitsmith.cli.robots", "list_robots", "the robots that come with the package"),
     ("robots", "show"): Command("gaitsmith.cli.robots", "show", "a robot's joints, legs, limits and assumptions"),

@@ -1,1 +1,1 @@
-"""What physics says of a gait: the certificate recomputed, the replay, the paper's claims."""
+"""What physics says of a gait: the certificate recomputed, the paper's claims."""
