@@ -42,8 +42,7 @@ def episode_key(loop: str, scenario: Scenario) -> str:
         scenario: the robot's and the gait's names or paths do not count, their contents do.
     """
     fields = scenario.model_dump(mode="json", exclude={"robot"})
-    if gait := fields.get("gait"):
-        fields["gait"] = hashlib.sha256(read_bounded(gait, _LARGEST_GAIT)).hexdigest()
+    fields["gait"] = [hashlib.sha256(read_bounded(path, _LARGEST_GAIT)).hexdigest() for path in scenario.gait]
     text = json.dumps(fields, sort_keys=True, allow_nan=False)
     return hashlib.sha256(f"{loop}\n{text}".encode()).hexdigest()[:32]
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from gaitsmith.simulation import Summary
+from gaitsmith.simulation.summary import Tracking
 
 
 def measure(summary: Summary) -> dict[str, float]:
@@ -37,24 +36,24 @@ def measure(summary: Summary) -> dict[str, float]:
         found["yaw_rate_error"] = max(abs(stage.yaw_rate_error) for stage in walking)
     turned = any(stage.command.yaw_rate for stage in walking)
     found["heading"] = max(map(abs, (s.heading_drift_deg for s in summary.stages) if turned else summary.heading_deg))
-    return found | _tracked(summary.model_dump().get("tracking"))
+    return found | (_tracked(summary.tracking) if summary.tracking else {})
 
 
-def _tracked(tracking: dict[str, Any] | None) -> dict[str, float]:
+def _tracked(tracking: Tracking) -> dict[str, float]:
     """What a planned gait is judged by, beside the plan."""
-    if tracking is None:
-        return {}
-    pitch, ball = tracking["foot_pitch_deg"], tracking["ball"]
     found = {
-        "distance_error": _relative(tracking["distance"], tracking["planned_distance"]),
-        "tilt": max(map(abs, tracking["tilt_deg"].values())),
-        "zmp_rms": 1e-3 * tracking["zmp_rms_mm"],
-        "strike_error": _relative(pitch["strike"], pitch["planned_strike"]),
-        "off_error": _relative(pitch["off"], pitch["planned_off"]),
+        "distance_error": _relative(tracking.distance, tracking.planned_distance),
+        "tilt": max(map(abs, tracking.tilt_deg.values())),
+        "zmp_rms": 1e-3 * tracking.zmp_rms_mm,
     }
-    return found | ({"ball_error": _relative(ball["speed"], ball["planned_speed"])} if ball else {})
+    pitch = tracking.foot_pitch_deg
+    found["strike_error"] = _relative(pitch.strike, pitch.planned_strike) if pitch else 0.0
+    found["off_error"] = _relative(pitch.off, pitch.planned_off) if pitch else 0.0
+    if tracking.ball:
+        found["ball_error"] = _relative(tracking.ball.speed, tracking.ball.planned_speed)
+    return found
 
 
-def _relative(value: float | None, planned: float | None) -> float:
+def _relative(value: float, planned: float) -> float:
     """Error as a share of what was planned; 0 where nothing was."""
-    return abs((value or 0.0) / planned - 1.0) if planned else 0.0
+    return abs(value / planned - 1.0) if planned else 0.0

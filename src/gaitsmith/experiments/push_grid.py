@@ -66,8 +66,8 @@ class PushGrid:
     def gait_name(self) -> str:
         """The walk in words."""
         base, (vx, vy) = self.base, self.base.speed or (0.0, 0.0)
-        if gait := getattr(base, "gait", None):
-            return Path(gait).stem
+        if base.gait:
+            return ", ".join(Path(path).stem for path in base.gait)
         moving = " ".join(f"{speed:g}" for speed in ((vx, vy) if vy else (vx,))) + " m/s"
         return f"T {base.period:g} s, H {base.height:g} m, " + (moving if vx or vy else "in place")
 

@@ -15,6 +15,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.experiments.limits import QUANTITIES, Limit
 from gaitsmith.experiments.push_grid import PushGrid
 from gaitsmith.robots import Robot, load_robot
+from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
 _ROOT, _LENGTH, _RATE = 0.5, 1.0, -0.5
@@ -156,7 +157,9 @@ def load_set(name: str, robot: str | None = None, preset: str = "default", gait:
     loaded = load_robot(robot)
     if preset not in loaded.card.presets:
         raise BadInput("--preset", preset, "one of " + ", ".join(sorted(loaded.card.presets)))
-    base: dict[str, Any] = {"robot": robot, "preset": preset} | ({"gait": gait} if gait else {})
+    base: dict[str, Any] = {"robot": robot, "preset": preset}
+    if gait:
+        base = completed(base | {"gait": [gait]})
     scale, heavier = 1.0, 1.0
     if document.reference is not None:
         scale, heavier = leg_length(loaded) / document.reference.leg, loaded.mass / document.reference.mass
