@@ -11,7 +11,7 @@ from tests.experiments.made_up import made_up_summary
 from tests.simulation.standing import robot
 
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments import identity
+from gaitsmith.experiments import episodes
 from gaitsmith.experiments.store import FILE, Store
 from gaitsmith.simulation.scenario import make_scenario
 
@@ -101,25 +101,25 @@ def test_a_folder_in_the_file_s_place_is_refused(tmp_path):
 
 
 def test_a_key_depends_on_everything_but_the_robot_s_path():
-    loop = identity.loop_identity(robot())
+    loop = episodes.loop_identity(robot())
     fields = {"duration": 3.0, "speed": [0.1, 0.0]}
-    key = identity.episode_key(loop, make_scenario(fields))
-    assert key == identity.episode_key(loop, make_scenario({**fields, "robot": "elsewhere/card.toml"}))
+    key = episodes.episode_key(loop, make_scenario(fields))
+    assert key == episodes.episode_key(loop, make_scenario({**fields, "robot": "elsewhere/card.toml"}))
     changed = [{"duration": 3.5}, {"speed": [0.1, 0.1]}, {"seed": 1}, {"preset": "paper"}, {"terrain": "slope:1"}]
     changed += [{"changes": [{"time": 2.0, "lift": 0.05}]}, {"pushes": [{"time": 2.0, "impulse": [1.0, 0.0, 0.0]}]}]
-    keys = {identity.episode_key(loop, make_scenario({**fields, **change})) for change in changed}
+    keys = {episodes.episode_key(loop, make_scenario({**fields, **change})) for change in changed}
     assert len(keys | {key}) == len(changed) + 1
-    assert identity.episode_key("other code", make_scenario(fields)) != key
+    assert episodes.episode_key("other code", make_scenario(fields)) != key
 
 
 def test_the_loop_s_identity_changes_with_the_robot_and_the_code(monkeypatch):
     class Other:
         content_hash = "another card"
 
-    before = identity.loop_identity(robot())
-    assert identity.loop_identity(Other()) != before
-    monkeypatch.setattr(identity, "source_key", lambda module: "another source")
-    assert identity.loop_identity(robot()) != before
+    before = episodes.loop_identity(robot())
+    assert episodes.loop_identity(Other()) != before
+    monkeypatch.setattr(episodes, "source_key", lambda module: "another source")
+    assert episodes.loop_identity(robot()) != before
 
 
 def test_lines_are_json_with_the_scenario_for_people(tmp_path):
