@@ -1,8 +1,8 @@
 """A loop of your own: any backend, any source of commands, anybody who watches.
 
 A robot takes the place of ``gaitsmith.Plant``: it fills ``joint_position``, ``accelerometer``, ``gyro``,
-``base_quaternion`` and ``sole_force`` in ``measure``, takes torques in ``step``, has a clock ``time``, and its controller
-is made with ``state="estimated"``.
+``base_quaternion`` and ``sole_force`` in ``measure``, takes torques in ``step``, has a clock ``time``, and its
+controller is made with ``state="estimated"``.
 
 python examples/04_own_loop.py
 """

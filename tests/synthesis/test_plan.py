@@ -71,7 +71,7 @@ def test_the_papers_quartic_solves_and_its_torque_jumps(planner, robot, dynamic)
 @pytest.mark.parametrize("step", [StepParameters(0.6, 1.0), StepParameters(0.28, 0.2)])
 def test_what_cannot_be_done_is_explained_in_bounded_time(planner, step):
     begin = time.perf_counter()
-    found = planner.plan(cyclic(planner.biped, step), Settings(time_limit=10.0))
+    found = planner.plan(cyclic(planner.biped, step), Settings(time_limit=6.0))
     assert not found.solved
     assert found.gait is None
     assert len(found.reason) > 20
@@ -80,7 +80,7 @@ def test_what_cannot_be_done_is_explained_in_bounded_time(planner, step):
 
 def test_torque_limits_are_named(planner):
     found = planner.plan(
-        cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(bounds=Bounds(torque=0.1), time_limit=10.0)
+        cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(bounds=Bounds(torque=0.1), time_limit=6.0)
     )
     assert not found.solved
     assert "torque" in found.reason
@@ -88,7 +88,7 @@ def test_torque_limits_are_named(planner):
 
 
 def test_a_period_too_short_names_torques_and_velocities(planner):
-    found = planner.plan(cyclic(planner.biped, StepParameters(0.1, 0.1)), Settings(time_limit=8.0))
+    found = planner.plan(cyclic(planner.biped, StepParameters(0.1, 0.1)), Settings(time_limit=6.0))
     assert not found.solved
     assert "it would take" in found.reason
     assert " torque " in found.reason or " velocity " in found.reason
