@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
-import io
 import math
-import os
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,7 +18,8 @@ from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.log.columns import Columns
-from gaitsmith.log.record import DECIMATION, Log, Recorder, read_log, read_stream
+from gaitsmith.log.record import DECIMATION, Log, Recorder
+from gaitsmith.log.scratch import Scratch, new_file, read_back
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.disturbances import Disturber
@@ -59,7 +57,7 @@ class Episode:
     @cached_property
     def log(self) -> Log | None:
         """Rows of the run, read back from the file when they are asked for; None if it was not recorded."""
-        return None if self.file is None else _read_back(self.file)
+        return None if self.file is None else read_back(self.file)
 
 
 class Simulation:
@@ -131,7 +129,7 @@ class Simulation:
         self.ticks = max(1, round(scenario.duration / step))
         self._monitor = self._make_monitor()
         self._disturber = Disturber(scenario.pushes, self.plant, self._columns, self._tell)
-        self._file = _new_file(record) if record else None
+        self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         observers: list[Observer] = [self._monitor, *([self._recorder] if self._recorder else []), self._disturber]
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
@@ -155,10 +153,12 @@ class Simulation:
         self.controller.command(**self._gait.model_dump())
 
     def _make_monitor(self) -> Monitor:
-        gait = self._gait.model_dump()
-        if self.plan is not None:
-            gait["speed"] = (self.plan.speed, 0.0)
-        return Monitor(self.robot, self.controller.parameters, self._columns, self.plant.control_step, gait)
+        step = self.plant.control_step
+        return Monitor(self.robot, self.controller.parameters, self._columns, step, self._commanded())
+
+    def _commanded(self) -> dict[str, Any]:
+        """What is commanded at first: gait inputs, or the speed of the plan."""
+        return self._gait.model_dump() | ({} if self.plan is None else {"speed": (self.plan.speed, 0.0)})
 
     def _make_recorder(self, file: BinaryIO) -> Recorder:
         """Recorder of the controller's telemetry and the plant's truth."""
@@ -167,7 +167,7 @@ class Simulation:
             "robot": self.robot.card.name,
             "robot_hash": self.robot.content_hash,
             "control_step": self.plant.control_step,
-            "gait": self._gait.model_dump(mode="json"),
+            "gait": self._commanded(),
         }
         return Recorder(file, self._columns.buffers, self._columns.names, notes, DECIMATION)
 
@@ -252,7 +252,7 @@ class Simulation:
     def _close(self) -> None:
         if self._recorder is not None and self._file is not None:
             self._recorder.close()
-            if not isinstance(self._file, _Scratch):
+            if not isinstance(self._file, Scratch):
                 self._file.close()
 
     @contextlib.contextmanager
@@ -274,7 +274,7 @@ class Simulation:
             return None
         if not self._recorder.closed:
             self._recorder.flush()
-        return _read_back(self._file)
+        return read_back(self._file)
 
     def summary(self) -> Summary:
         """The run so far, in numbers."""
@@ -306,41 +306,6 @@ def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
     if scenario.rest_after > 0.0:
         orders.append((scenario.walk_until, Order(action="stand")))
     return orders
-
-
-class _Scratch(io.FileIO):
-    """A file without a name that goes with its last user."""
-
-    def __del__(self) -> None:
-        self.close()
-
-
-def _new_file(record: bool | str | Path | Callable[[], BinaryIO]) -> BinaryIO:
-    """A file for the log, readable too."""
-    if callable(record):
-        return record()
-    try:
-        if record is True:
-            handle, name = tempfile.mkstemp(prefix="gaitsmith.")
-            os.unlink(name)
-            return _Scratch(handle, "r+b")
-        return open(record, "x+b", buffering=0)
-    except OSError as error:
-        raise BadInput(
-            str(record), (error.strerror or "").lower(), "a new file in a folder that can be written"
-        ) from None
-
-
-def _read_back(file: BinaryIO) -> Log:
-    """The rows in a file that is closed and has a name, or stays open for more to come."""
-    if file.closed:
-        return read_log(file.name)
-    place = file.tell()
-    file.seek(0)
-    try:
-        return read_stream(file, "log")
-    finally:
-        file.seek(place)
 
 
 def run_episode(
