@@ -32,10 +32,11 @@ def test_what_is_read_is_not_replaced(tmp_path: Path) -> None:
     check_file(str(tmp_path / "other"), [str(given), "thbip_ii"])
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
-@pytest.mark.parametrize("broken", ["figures", "gait"])
+@pytest.mark.parametrize(
+    ("broken", "error"), [("figures", KeyboardInterrupt), ("gait", KeyboardInterrupt), ("gait", OSError)]
+)
 def test_gait_and_figures_are_both_there_or_neither(
-    error: type[BaseException], broken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    broken: str, error: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fails = [broken]
 
@@ -54,8 +55,8 @@ def test_gait_and_figures_are_both_there_or_neither(
     monkeypatch.setattr("gaitsmith.synthesis.write_gait", write)
     out, figures = tmp_path / "gait.json", tmp_path / "new" / "figures"
     with pytest.raises(error):
-        command._write(None, None, out, figures)
+        command._write(None, None, out, figures, lambda _: None)
     assert os.listdir(tmp_path) == []
     fails.clear()
-    assert command._write(None, None, out, figures) == [str(figures / "one.png")]
+    assert command._write(None, None, out, figures, lambda _: None) == [str(figures / "one.png")]
     assert sorted(os.listdir(tmp_path)) == ["gait.json", "new"]
