@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded, uninterrupted, why_unwritable, write_bytes_atomic, write_text_atomic
+from gaitsmith.files import (
+    ENDING,
+    deferred,
+    lock,
+    open_regular,
+    read_bounded,
+    uninterrupted,
+    why_unwritable,
+    write_bytes_atomic,
+    write_text_atomic,
+)
 
 
 def test_writes_whole_and_leaves_nothing_else(tmp_path: Path) -> None:
@@ -102,8 +112,51 @@ def test_why_nothing_can_be_written(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == []
 
 
-def test_ctrl_c_is_ignored_where_it_would_leave_halves() -> None:
+class Heard(Exception):
+    """A signal was heard."""
+
+
+@pytest.fixture
+def heard():
+    """All signals that end a run raise, and are put back afterwards."""
+
+    def hear(number, frame):
+        raise Heard(number)
+
+    before = {number: signal.signal(number, hear) for number in ENDING}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", ENDING)
+def test_signals_are_ignored_where_they_would_leave_halves(heard: None, number: int) -> None:
     with uninterrupted():
-        signal.raise_signal(signal.SIGINT)
-    with pytest.raises(KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(number)
+    with pytest.raises(Heard):
+        signal.raise_signal(number)
+
+
+@pytest.mark.parametrize("number", ENDING)
+def test_signals_wait_for_what_is_done_in_one_piece(heard: None, number: int) -> None:
+    done = []
+
+    def piece() -> None:
+        with deferred():
+            signal.raise_signal(number)
+            done.append(True)
+
+    with pytest.raises(Heard):
+        piece()
+    assert done == [True]
+    with deferred():
+        pass  # nothing came, so nothing is raised
+
+
+def test_a_lock_is_seen_by_others_and_goes_with_the_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"x")
+    with open_regular(tmp_path / "file") as first, open_regular(tmp_path / "file") as second:
+        assert lock(first)
+        assert not lock(second)
+        first.close()
+        assert lock(second)

@@ -151,3 +151,17 @@ def test_what_does_not_fit_the_robot_is_refused(fields, told):
     with pytest.raises(BadInput) as caught:
         Simulation(make_scenario(fields), robot=robot())
     assert told in str(caught.value)
+
+
+def test_drift_and_distance_count_from_where_the_walk_begins():
+    simulation = Simulation(make_scenario({"duration": 2.0, "rest_before": 0.5, "speed": 0.2}), robot=robot())
+    simulation.plant.v[0] = 0.05  # it sways before it walks
+    places = []
+    while simulation.step():
+        places.append(simulation.plant.truth.torso[:2].copy())
+    began = places[499]
+    away = np.hypot(*(np.array(places[499:]) - began).T)
+    summary = simulation.summary()
+    assert np.hypot(*began) > 1e-3
+    assert summary.drift == pytest.approx(away.max(), abs=1e-3)
+    assert summary.distance == pytest.approx(away[-2], abs=1e-3)
