@@ -13,6 +13,11 @@ def _report_sole(table: int, leg: int) -> None:
     """Desired and actual place, planned wrench and ZMP, and measured force of one sole."""
     g = bind(Tick, table)
     out, wrench, axes = g.telemetry, g.body.wrench[leg], g.contacts.axes[leg]
+    if g.control.state[0] == FOLLOWING:
+        cos, sin, hip = g.frames.cos_yaw[0], g.frames.sin_yaw[0], g.frames.hip_position
+        wanted, desired = g.reference.sole_position[leg], g.step.foot_desired[leg]
+        x, y = wanted[0] - hip[0], wanted[1] - hip[1]
+        desired[0, 0], desired[0, 1], desired[0, 2] = cos * x + sin * y, cos * y - sin * x, wanted[2] - hip[2]
     for i in range(3):
         out.foot_desired[3 * leg + i] = g.step.foot_desired[leg, 0, i]
         out.foot_actual[3 * leg + i] = g.frames.relative_position[leg, i]
@@ -43,6 +48,9 @@ def _report_step(table: int) -> None:
         if g.reference.contact[leg] == FLAT:
             stance = leg
     out.mode[0] = 1.0 if walking else 0.0
+    plan, clock = g.following.plan, g.following.clock
+    out.plan_phase[0] = float(plan.phase[plan.sequence[clock.visit[0]]]) if following else -1.0
+    out.plan_lead[0] = clock.lead[0] if following else 0.0
     out.stance[0] = float(stance) if bearing == 1 else float(g.legs.side.shape[0])
     out.step_time[0] = step.time[0]
     out.step_count[0] = step.count[0]

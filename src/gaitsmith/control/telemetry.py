@@ -29,6 +29,8 @@ class Telemetry(NamedTuple):
         yaw_rate: rad/s.
         heading: yaw that the torso is to have, rad.
         hip_height: hip midpoint above the stance sole, m.
+        plan_phase: number of the phase of the plan that is followed, -1 without one.
+        plan_lead: by which the plan is ahead of the time that has passed, s.
         foothold: (2,) target of the swing sole, hip midpoint, m.
         foothold_bound: 1 if the target lies on one of its bounds.
         integral: (2,) what is added to the commanded speed, m/s.
@@ -68,6 +70,8 @@ class Telemetry(NamedTuple):
     yaw_rate: Vector
     heading: Vector
     hip_height: Vector
+    plan_phase: Vector
+    plan_lead: Vector
     foothold: Vector
     foothold_bound: Vector
     integral: Vector

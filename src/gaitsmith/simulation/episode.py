@@ -191,7 +191,8 @@ class Simulation:
 
     @cached_property
     def _fall(self) -> Fall:
-        return explain(self._monitor, self.time, phase_in_words(self._columns), refused_readings(self._columns))
+        phase = phase_in_words(self._columns) if self._tracked is None else self._tracked.phase
+        return explain(self._monitor, self.time, phase, refused_readings(self._columns))
 
     @property
     def fall(self) -> Fall | None:

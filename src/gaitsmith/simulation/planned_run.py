@@ -115,13 +115,19 @@ class Tracked:
         self._pitch[kind][0] += pitch
         self._pitch[kind][1] += 1.0
 
+    @property
+    def phase(self) -> str:
+        """Name of the plan's phase."""
+        table = self.plan.table
+        found: str = self.plan.phases[table.phase[table.sequence[self._controller.plan_clock.visit[0]]]]
+        return found
+
     def report(self, time: float) -> Tracking:
         """The run so far, which lasted for a time, s."""
         plan, clock = self.plan, self._controller.plan_clock
         strike, off = (math.degrees(total / count) if count else 0.0 for total, count in self._pitch.values())
         planned = [math.degrees(angle) for angle in plan.foot_pitch]
         ball = self._plant.balls[0] if self._plant.balls else None
-        section = int(plan.table.sequence[clock.visit[0]])
         return Tracking(
             distance=0.0 if math.isnan(self._begin) else float(self._plant.com[0]) - self._begin,
             planned_distance=plan.forward(min(time, plan.duration)),
@@ -133,6 +139,6 @@ class Tracked:
             ball=BallReport(speed=ball.top_speed, planned_speed=plan.ball[2], travel=ball.travel)
             if ball is not None and plan.ball is not None
             else None,
-            phase=plan.phases[plan.table.phase[section]],
+            phase=self.phase,
             ended=bool(clock.ended[0]),
         )
