@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gaitsmith.simulation.fall import explain
-from gaitsmith.simulation.limits import Bounds, Seen, make_hits, remember_hits
+from gaitsmith.simulation.limits import Bounds, Seen, find_hits, make_hits, remember_hits
 from gaitsmith.simulation.monitor import TILTED
 
 DT = 1e-3
 KNEE, FRICTION, LEGS = 0, 7, 9  # places of three limits for one joint and two soles
-BOUNDS = Bounds(*(np.zeros(2) for _ in range(6)), reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, dt=DT)
+BOUNDS = Bounds(*(np.zeros(2) for _ in range(7)), reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, dt=DT)
 
 
 def _seen() -> Seen:
@@ -91,3 +91,17 @@ def test_the_reason_names_the_first_limit_and_three_more():
     assert "; first limit hit: a, at 1.000 s; then b at 2.000 s, c at 3.000 s, d at 4.000 s" in reason
     assert reason.endswith("ticks with unusable readings: 2 of gyro")
     assert "no limit was hit in the last step" in explain(_monitor([]), 5.0, "standing", {}).reason  # type: ignore[arg-type]
+
+
+def test_the_sides_of_a_sole_are_edges_and_a_line_has_none():
+    hits, names = make_hits(("knee",), ("left", "right"), DT)
+    seen, width = _seen(), 0.05
+    sole = {"heel": np.full(2, 0.1), "toe": np.full(2, 0.1), "half_width": np.array([width, 0.0])}
+    joint = {name: np.ones(1) for name in ("torque", "velocity", "position_high")}
+    bounds = BOUNDS._replace(**sole, **joint, position_low=-np.ones(1), friction=1.0)
+    seen.wrench[[2, 8]] = 300.0
+    for across, hit in ((0.9 * width, False), (-width, True), (width, True)):
+        seen.zmp[[1, 3]] = across
+        find_hits(seen, bounds, hits)
+        found = {name for name, flag in zip(names, hits.now, strict=True) if flag}
+        assert found == ({"ZMP at the edge of the left sole"} if hit else set())

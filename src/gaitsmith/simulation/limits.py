@@ -53,6 +53,7 @@ class Bounds(NamedTuple):
     position_high: Vector
     heel: Vector
     toe: Vector
+    half_width: Vector
     reach: float
     spread: float
     zmp_margin: float
@@ -144,6 +145,7 @@ def make_bounds(robot: Robot, parameters: ControlParameters, dt: float) -> Bound
         position_high=np.asarray(robot.position_high),
         heel=np.array([leg.sole.heel for leg in robot.legs]),
         toe=np.array([leg.sole.toe for leg in robot.legs]),
+        half_width=np.array([leg.sole.half_width for leg in robot.legs]),
         reach=parameters.foothold.reach,
         spread=parameters.foothold.spread,
         zmp_margin=parameters.contact.zmp_margin,
@@ -195,9 +197,12 @@ def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
     for leg in range(bounds.toe.shape[0]):
         force = seen.wrench[6 * leg : 6 * leg + 3]
         x, margin, loaded = seen.zmp[2 * leg], bounds.zmp_margin + _EDGE, force[2] > 1.0
-        flags.zmp[leg] = 1 if loaded and (x > bounds.toe[leg] - margin or x < margin - bounds.heel[leg]) else 0
-        sideways = math.sqrt(force[0] ** 2 + force[1] ** 2)
-        flags.friction[leg] = 1 if loaded and sideways > _SATURATED * bounds.friction * force[2] else 0
+        wide = bounds.half_width[leg]  # 0 for a line, which the ZMP cannot leave
+        sideways = wide > 0.0 and abs(seen.zmp[2 * leg + 1]) > wide - margin
+        edge = sideways or x > bounds.toe[leg] - margin or x < margin - bounds.heel[leg]
+        flags.zmp[leg] = 1 if loaded and edge else 0
+        along = math.sqrt(force[0] ** 2 + force[1] ** 2)
+        flags.friction[leg] = 1 if loaded and along > _SATURATED * bounds.friction * force[2] else 0
     flags.legs[0] = 1 if seen.leg_contact[0] > 0.0 else 0
     flags.infeasible[0] = 1 if seen.qp_infeasible[0] > hits.qp_infeasible[0] else 0
     flags.forced[0] = 1 if seen.touchdowns_forced[0] > hits.touchdowns_forced[0] else 0
