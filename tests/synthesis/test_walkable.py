@@ -102,6 +102,17 @@ def test_cycles_are_counted_and_repeated_steps_are_kept_once(gait, robot, plan):
     assert odd.travel[0] == pytest.approx(5 * 0.2, abs=1e-6)
 
 
+def test_the_planned_way_is_a_stride_for_every_stride(gait, robot, plan):
+    stride = 2.0 * gait.duration
+    ways = [plan.forward(time) for time in (0.0, 0.3, stride, 7.0 * stride, 7.0 * stride + 0.3)]
+    assert ways[0] == 0.0
+    assert 0.0 < ways[1] < ways[2]
+    np.testing.assert_allclose(ways[2:4], [0.4, 2.8], atol=1e-9)
+    assert ways[4] == pytest.approx(ways[3] + ways[1], abs=1e-9)
+    odd = walkable([gait], robot, 5)
+    assert odd.forward(odd.duration) == pytest.approx(odd.travel[0], abs=1e-9)
+
+
 def test_what_does_not_belong_together_is_refused(gait, robot):
     with pytest.raises(BadInput, match=r"--gait: .* the robot that the gait was planned for"):
         walkable([replace(gait, robot_hash="0" * 64)], robot)

@@ -68,12 +68,6 @@ class Schedule:
         if self.phases[-1].end == BY_CONTACT and not self.cyclic:
             raise BadInput(f"phases[{len(self.phases) - 1}].end", "by contact", "a phase after it with the sole down")
 
-    def lands(self, index: int) -> bool:
-        """Whether a sole that is in the air in a phase is on the ground in the next one."""
-        if index == len(self.phases) - 1 and not self.cyclic:
-            return False
-        return _lands(self.phases[index], self.phases[(index + 1) % len(self.phases)])
-
 
 def _lands(before: ContactPhase, after: ContactPhase) -> bool:
     return any(not a and b for a, b in zip(before.bearing, after.bearing, strict=True))
