@@ -218,7 +218,9 @@ def missed(name: str, row: Row, seed: int, weight: float) -> float:
         friction=1e3, normal_low=-1e6, normal_high=1e6, zmp_margin=-1e3, yaw_friction=1e3
     )
     body.joints = FREE
+    body.legs = body.legs._replace(hip_midpoint=np.array([0.05, 0.02, -0.1]))
     q, v = moving(name, seed)
+    v[3:6] *= 10.0
     row.ask(body.place(q, v), np.random.default_rng(seed))
     assert body.solve(*row.kinds)
     wanted, reached = row.reach(body, Engine(name, q, v), body.result.acceleration)
