@@ -46,8 +46,11 @@ def test_rows_are_swing_and_stance() -> None:
 
 
 def test_pd_of_the_leg_in_its_role() -> None:
-    """The gains of swing or stance on the difference from the reference, on top of the feedforward."""
+    """The gains of swing or stance on the difference from the reference, on top of the feedforward; none at a stand."""
     held = Held(chosen=parameters("bhr_b2", "paper", standing={"weight_shift": False}))
+    for _ in range(3):
+        held.q[10] += 1e-3
+        np.testing.assert_allclose(held.tick(), held.groups.body.torque)
     held.controller.walk()
     rng = np.random.default_rng(0)
     for _ in range(20):
