@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput
@@ -86,3 +87,19 @@ def test_while_a_plan_runs_other_motions_are_refused_and_damping_is_not(controll
     assert controller.follows
     controller.reset()
     assert not controller.follows
+
+
+def test_ticks_of_a_plan_allocate_nothing(controller, plan):
+    _nrt_python.memsys_enable_stats()
+    run(controller, plan, 0.01)
+    plant = Plant(controller.robot)
+    plant.reset(*plan.start)
+    controller.reset()
+    controller.follow()
+    plant.measure(controller.measurement)
+    before = rtsys.get_allocation_stats()
+    for _ in range(1000):
+        plant.measure(controller.measurement)
+        plant.step(controller.tick())
+    assert rtsys.get_allocation_stats() == before
+    assert controller.telemetry.step_count[0] > 1
