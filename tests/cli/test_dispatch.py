@@ -17,7 +17,6 @@ from gaitsmith.cli.printing import Printer
 from gaitsmith.errors import BadInput, CacheRefused
 
 LEAVES = sorted(dispatch.COMMANDS)
-HELP_SECONDS = 0.8  # a quarter of a second where nothing else runs
 
 
 @pytest.fixture
@@ -166,15 +165,11 @@ def test_an_encoding_without_our_letters_shows_question_marks(trial: Any, monkey
     assert shown.buffer.getvalue() == b"40 N?m\n"
 
 
-def test_help_is_fast_and_loads_no_engine() -> None:
+def test_help_loads_no_engine() -> None:
     code = (
         "import sys; from gaitsmith.cli import main; main(['walk', '--help']); heavy = {'numba', 'mujoco', 'scipy',"
         "'casadi', 'matplotlib', 'mcap', 'joblib', 'rich'}; print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    before = os.times()
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
-    after = os.times()
     assert done.stderr.strip() == "[]"
-    # Processor time: what a free core takes, however busy the machine is.
-    assert after.children_user + after.children_system - before.children_user - before.children_system < HELP_SECONDS

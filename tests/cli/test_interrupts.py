@@ -1,5 +1,6 @@
 """Ctrl-C is one line and code 130, whenever and however often it comes."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -7,7 +8,7 @@ import sys
 
 import pytest
 
-from gaitsmith.cli.interrupts import Interrupts
+from gaitsmith.cli.interrupts import Interrupts, stop_if_heard
 
 # Sent by the program itself as soon as the first of its modules is imported: before anything heavy, then again.
 EARLY = """
@@ -62,3 +63,14 @@ def test_an_ignored_ctrl_c_stays_ignored() -> None:
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_a_signal_that_a_library_swallows_is_heard_all_the_same() -> None:
+    with Interrupts():
+        stop_if_heard()
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        with pytest.raises(KeyboardInterrupt):
+            stop_if_heard()
+    with Interrupts():
+        stop_if_heard()

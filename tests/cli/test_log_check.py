@@ -72,9 +72,12 @@ def test_a_killed_run_loses_less_than_a_second(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_a_run_in_order(number: signal.Signals, tmp_path: Path) -> None:
     process = _begun(tmp_path / "run")
-    time.sleep(0.7)
-    process.send_signal(number)
-    out, err = process.communicate(timeout=60)
+    try:
+        time.sleep(0.7)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=300)
+    finally:
+        process.kill()
     assert (process.returncode, err) == (130, "")
     assert json.loads(out)["interrupted"] is True
     log = read_log(tmp_path / "run" / "log.mcap")

@@ -8,6 +8,7 @@ import time
 
 from gaitsmith.files import ENDING
 
+_heard = threading.Event()
 _SAME = 2.0  # s within which Ctrl-C pressed again, or passed on by a wrapper, is the same wish
 
 
@@ -33,6 +34,7 @@ class Interrupts:
         self._before: dict[int, object] = {}
 
     def __enter__(self) -> Interrupts:
+        _heard.clear()
         if threading.current_thread() is threading.main_thread():
             for number in ENDING:
                 if signal.getsignal(number) in (signal.default_int_handler, signal.SIG_DFL):
@@ -46,5 +48,12 @@ class Interrupts:
     def _note(self, *_: object) -> None:
         now, before = time.monotonic(), self._last
         self.seen, self._last = True, now
+        _heard.set()
         if not self.over and now - before >= _SAME:
             raise KeyboardInterrupt
+
+
+def stop_if_heard() -> None:
+    """Raise what a signal has raised already, should a library have swallowed it: called now and then by a long run."""
+    if _heard.is_set():
+        raise KeyboardInterrupt

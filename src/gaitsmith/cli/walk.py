@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, parse
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
+from gaitsmith.cli.interrupts import stop_if_heard
 from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_folder, write_summary
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
@@ -115,7 +116,11 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
             if made is not None:
                 write_text_atomic(made.path / "scenario.toml", scenario_toml(_portable(scenario)))
             name, end = f"walking {simulation.robot.card.name}", scenario.duration
-            tell = lambda time: display.show(name, f"{time:.1f} of {end:g} s", time, end)  # noqa: E731
+
+            def tell(time: float) -> None:
+                stop_if_heard()
+                display.show(name, f"{time:.1f} of {end:g} s", time, end)
+
             return simulation, simulation.run(tell)
         except BaseException as error:
             with uninterrupted():
