@@ -66,6 +66,7 @@ def test_an_ignored_ctrl_c_stays_ignored() -> None:
 
 
 def test_a_signal_that_a_library_swallows_is_heard_all_the_same() -> None:
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with Interrupts():
         stop_if_heard()
         with contextlib.suppress(KeyboardInterrupt):
@@ -74,3 +75,4 @@ def test_a_signal_that_a_library_swallows_is_heard_all_the_same() -> None:
             stop_if_heard()
     with Interrupts():
         stop_if_heard()
+    signal.signal(signal.SIGTERM, before)

@@ -14,7 +14,6 @@ from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_fold
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted, write_text_atomic
-from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
 if TYPE_CHECKING:
@@ -82,6 +81,8 @@ def scenario_from(arguments: _Walk) -> Scenario:
     given = _given(arguments)
     try:
         if {**base, **given}.get("gait"):
+            from gaitsmith.simulation.planned_run import completed
+
             return make_scenario(completed({**(base if base is not DEFAULT else {}), **given}))
         return make_scenario({**base, **given})
     except BadInput as error:
