@@ -178,4 +178,3 @@ def write_joints(g: Following, out: Reference) -> None:
             out.joint[order, j] = motion[order, joints + j]
         out.joint_weight[j] = 1.0
         out.torque[j] = g.sample.effort[j]
-    out.torque_weight[0] = 0.0

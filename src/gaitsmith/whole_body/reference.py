@@ -55,8 +55,7 @@ class Reference(NamedTuple):
         hip_height_weight: (1,).
         joint: (3, nj) angle, rate, acceleration by rows, rad.
         joint_weight: (nj,) shares.
-        torque: (nj,) feed-forward around which the cost on torque changes is blended, N·m.
-        torque_weight: (1,) share.
+        torque: (nj,) planned torque, read by joint tracking, N·m.
     """
 
     contact: IntVector
@@ -82,7 +81,6 @@ class Reference(NamedTuple):
     joint: Matrix
     joint_weight: Vector
     torque: Vector
-    torque_weight: Vector
 
 
 def make_reference(n_soles: int, n_joints: int) -> Reference:
@@ -111,7 +109,6 @@ def make_reference(n_soles: int, n_joints: int) -> Reference:
         joint=np.zeros((3, n_joints)),
         joint_weight=np.zeros(n_joints),
         torque=np.zeros(n_joints),
-        torque_weight=np.zeros(1),
     )
 
 
