@@ -98,3 +98,14 @@ def test_the_clock_measures_steps_as_they_are():
         expected = 0.5 * (count % 2) + 0.5 * min(into / duration, 1.0)
         assert phase == pytest.approx(expected, abs=1e-6)
     assert math.isnan(clock.phase(2.0, False, 2, 0.0, count, 0.4))
+
+
+def test_a_step_that_begins_on_both_feet_has_phases_from_its_beginning():
+    clock, seen = StrideClock(), []
+    for k in range(2000):
+        step, time = divmod(k, 500)
+        stance = 2 if time < 150 and step else step % 2
+        seen.append(clock.phase(k * DT, True, stance, time * DT, step, 0.5))
+    np.testing.assert_allclose(seen, [0.5 * (k / 500) % 1.0 for k in range(2000)], atol=EXACT)
+    assert math.isnan(clock.phase(2.0, False, 2, 0.0, 4, 0.5))
+    assert math.isnan(clock.phase(2.1, True, 2, 0.0, 4, 0.5))

@@ -46,10 +46,14 @@ class Pushable(Protocol):
 
 
 class StrideClock:
-    """Phase of the stride as measured: 0 to 0.5 in left stance, 0.5 to 1 in right stance."""
+    """Phase of the stride as measured: 0 to 0.5 in left stance, 0.5 to 1 in right stance.
+
+    A step that begins on both feet belongs to the leg whose turn it is.
+    """
 
     def __init__(self) -> None:
         self._step_count = -1
+        self._stance = 2
         self._began = 0.0
         self._duration = math.nan
 
@@ -59,20 +63,22 @@ class StrideClock:
         Args:
             time: s.
             walking: whether the controller walks.
-            stance: 0 left, 1 right.
+            stance: 0 left, 1 right, 2 both.
             step_time: since the step began, s.
             step_count: steps taken.
             period: commanded step duration, s; stands in until one step has been measured.
         """
+        if stance > 1 and self._stance < 2:
+            stance = self._stance if step_count == self._step_count else 1 - self._stance
         if not walking or stance > 1:
-            self._step_count = -1
+            self._step_count, self._stance = -1, 2
             return math.nan
         if step_count != self._step_count:
             if step_count == self._step_count + 1 and self._step_count >= 0:
                 self._duration = time - step_time - self._began
             else:
                 self._duration = period
-            self._step_count = step_count
+            self._step_count, self._stance = step_count, stance
             self._began = time - step_time
         return 0.5 * stance + 0.5 * min(step_time / self._duration, 1.0 - 1e-9)
 
