@@ -9,6 +9,7 @@ import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.view import FIGURES, LegTrace, Recording, draw_speed, draw_torques, write_figures
+from gaitsmith.view.timing import draw_timing
 
 PERIOD, WIDTH = 0.4, 0.0375
 PIXELS_WIDE = 1600
@@ -127,3 +128,11 @@ def test_timing_is_drawn_only_if_durations_are_known(walk: Recording, tmp_path: 
 def test_a_folder_that_is_not_there_is_refused(walk: Recording, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="a folder that can be written"):
         write_figures(walk, tmp_path / "absent")
+
+
+def test_no_label_of_the_timing_is_markup(walk: Recording) -> None:
+    made = draw_timing(walk)
+    made.canvas.draw()
+    labels = [label.get_text() for axis in made.axes for label in (*axis.get_xticklabels(), *axis.get_yticklabels())]
+    assert any(labels)
+    assert not any("$" in label or "\\" in label for label in labels)

@@ -27,7 +27,9 @@ def draw_timing(recording: Recording) -> Figure:
         axis.set_xscale("log")
         axis.set_yscale("log")
         axis.set(xlabel="duration, µs", ylabel="ticks")
-        axis.xaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_major_formatter("{x:g}")  # the formatters of logarithmic axes write markup
+        axis.yaxis.set_major_formatter("{x:g}")
+        axis.yaxis.set_minor_formatter("")
         axis.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more labels would touch each other
         axis.xaxis.set_minor_formatter("{x:g}")
         above(axis, 3)

@@ -163,9 +163,7 @@ def biped_from(robot: Robot) -> Biped:
     for leg in robot.legs:
         if len(leg.joints) != 6 or leg.sole.kind != "rectangle":
             given = f"{len(leg.joints)} joints, {leg.sole.kind} sole"
-            raise BadInput(
-                "robot", given, "legs with six joints and rectangular soles", "plan for thbip_ii, for example"
-            )
+            raise BadInput("robot", given, "legs with six joints and rectangular soles", "gaitsmith walk takes others")
     if robot.legs[0].sole != robot.legs[1].sole:
         raise BadInput("robot", "different soles", "two equal soles")
     partner, sign = _mirror(robot)
