@@ -1,15 +1,18 @@
 # make demo: walk BHR-B2 through a speed profile.   make test: run the tests.   Both set up .venv first, once.
+# make strangers: the tests on public robots (fetches 130 MB of models, once).
 PYTHON ?= python3
 WORKERS ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+TOOLS := $(VENV)/.tools
+STRANGERS := $(VENV)/.strangers
 RUN := runs/$(shell date +%Y%m%d-%H%M%S)
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: demo test bench lint format lock clean setup
+.PHONY: demo test strangers bench lint format lock clean setup
 
 setup: $(READY)
 
@@ -21,11 +24,25 @@ $(READY): requirements.lock pyproject.toml
 	@$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
 	@touch $@
 
+# The demo needs the core only; tests, checks and the public robots' models are further locks over the same versions.
+$(TOOLS): $(READY) requirements-dev.lock
+	@echo "Adding the tools of the tests (once)"
+	@$(BIN)/python -m pip install --quiet --require-hashes -r requirements-dev.lock
+	@touch $@
+
+$(STRANGERS): $(TOOLS) requirements-strangers.lock
+	@echo "Fetching public robots (once)"
+	@$(BIN)/python -m pip install --quiet --require-hashes -r requirements-strangers.lock
+	@touch $@
+
 demo: $(READY)
 	@$(BIN)/gaitsmith walk figure5 --out $(RUN)
 
-test: $(READY)
+test: $(TOOLS)
 	@$(BIN)/python -m pytest -q -n $(WORKERS)
+
+strangers: $(STRANGERS)
+	@$(BIN)/python -m pytest -q -m strangers
 
 bench: $(READY)
 	@$(BIN)/gaitsmith bench tick
@@ -34,22 +51,24 @@ bench: $(READY)
 	@$(BIN)/gaitsmith bench battery --set courses --jobs $(WORKERS)
 	@$(BIN)/gaitsmith bench push --set courses --jobs $(WORKERS)
 
-lint: $(READY)
+lint: $(TOOLS)
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy --strict src
 	@$(BIN)/lint-imports
 
-format: $(READY)
+format: $(TOOLS)
 	@$(BIN)/ruff check --fix
 	@$(BIN)/ruff format
 
-# Needs uv on the path. Names, versions and hashes only: no address may stand in the lock.
+# Needs uv on the path. Names, versions and hashes only: no address may stand in a lock.
+COMPILE = uv pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+	--no-emit-index-url --no-emit-find-links --no-annotate --no-header --quiet
 lock:
-	@uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --fork-strategy fewest \
-		--generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate --no-header \
-		--quiet --output-file requirements.lock >/dev/null
-	@! grep -n '://' requirements.lock
+	@$(COMPILE) --extra dev --output-file requirements-dev.lock >/dev/null
+	@$(COMPILE) --extra build --constraint requirements-dev.lock --output-file requirements.lock >/dev/null
+	@$(COMPILE) --extra strangers --constraint requirements-dev.lock --output-file requirements-strangers.lock >/dev/null
+	@! grep -n '://' requirements*.lock
 
 clean:
 	@rm -rf $(VENV) build dist .pytest_cache .hypothesis .mypy_cache .ruff_cache .import_linter_cache
