@@ -80,7 +80,7 @@ CASES: list[tuple[tuple[str | int, ...], Any, str]] = [
     (("mass",), 40.3, "mass"),
     (("mass",), True, "mass"),
     (("torso",), "head", "torso"),
-    (("torso",), "left_foot", "bhr_b2.xml: bodies on the world"),
+    (("torso",), "left_foot", "imu_site"),
     (("imu_site",), "left_sole", "imu_site"),
     (("imu_site",), "", "imu_site"),
     (("model",), "none.xml", "model"),

@@ -11,6 +11,7 @@ import mujoco
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.engine import engine_errors
+from gaitsmith.robots.rooting import root_at, turn_frame
 
 if TYPE_CHECKING:
     from gaitsmith.robots.card import LegCard, RobotCard
@@ -87,7 +88,7 @@ def compiled(spec: mujoco.MjSpec, entry: str) -> tuple[mujoco.MjModel, tuple[str
 
 
 def _root(spec: mujoco.MjSpec, card: RobotCard, label: str, entry: str, notes: list[str]) -> None:
-    """One tree, whose root is the torso and moves freely."""
+    """One tree, rooted at the torso, which moves freely."""
     for geom in list(spec.geoms):
         if geom.parent.name == "world":
             spec.delete(geom)
@@ -96,13 +97,17 @@ def _root(spec: mujoco.MjSpec, card: RobotCard, label: str, entry: str, notes: l
     torso = spec.body(card.torso)
     if torso is None:
         raise BadInput(f"{label}: torso", card.torso, f"a body of the model: {_listed(b.name for b in spec.bodies)}")
-    if roots != [card.torso]:
-        raise BadInput(
-            f"{entry}: bodies on the world", roots, f"only {card.torso}, the torso", "check torso in the card"
-        )
+    if len(roots) != 1 or torso.name == "world":
+        raise BadInput(f"{entry}: bodies on the world", roots, "one tree, that of the torso", "check torso in the card")
+    root = spec.body(roots[0])
+    if any(joint.type != mujoco.mjtJoint.mjJNT_FREE for joint in root.joints):
+        raise BadInput(f"{entry}: body {root.name}", [j.name for j in root.joints], "a free joint or none")
+    root_at(spec, card.torso, entry, notes)
+    torso = spec.body(card.torso)
+    if card.torso_frame is not None:
+        turn_frame(spec, torso, _quaternion(*card.torso_frame.rpy), entry)
+        notes.append(f"turned the frame of {card.torso} as torso_frame says")
     free = [joint.name for joint in torso.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
-    if len(torso.joints) != len(free):
-        raise BadInput(f"{entry}: body {card.torso}", [j.name for j in torso.joints], "a free joint or none")
     if not free:
         torso.add_freejoint(name=_unused(spec.joints, "root"))
         notes.append("added a free joint to the torso")

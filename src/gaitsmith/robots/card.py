@@ -59,6 +59,12 @@ class LegCard(Parameters):
     sole_rpy: Triple = (0.0, 0.0, 0.0)
 
 
+class TorsoFrame(Parameters):
+    """A frame on the torso with x forward and z up, from the body's own: `rpy` turns as `sole_rpy` does, rad."""
+
+    rpy: Triple
+
+
 class JointLimits(Parameters):
     """Limits of one joint: position (rad or m), velocity and torque, the last two in both directions."""
 
@@ -99,6 +105,7 @@ class RobotCard(Parameters):
     description: str = ""
     model: Annotated[str, Field(min_length=1, max_length=500)]
     torso: Name
+    torso_frame: TorsoFrame | None = None
     mass: Positive
     legs: tuple[LegCard, LegCard]
     imu_site: Name | None = None
