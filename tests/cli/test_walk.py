@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from gaitsmith.cli import main
 from gaitsmith.cli.arguments import parse
-from gaitsmith.cli.run_folder import check_new_folder
-from gaitsmith.cli.scenario_file import scenario_toml
+from gaitsmith.cli.run_folder import check_new_folder, scenario_toml
 from gaitsmith.cli.walk import WalkArguments, scenario_from
 from gaitsmith.errors import BadInput
 from gaitsmith.log import read_log

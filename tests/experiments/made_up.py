@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from gaitsmith.simulation.summary import FallReport, QpCounts, Stage, StageCommand, Summary, TickTimes
+from gaitsmith.simulation.summary import Fall, QpCounts, Stage, StageCommand, Summary, TickTimes
 
 REASON = (
     "the torso tilted by more than 60 degrees; first limit hit: torque of left_knee saturated, at 4.9 s; then others"
@@ -39,7 +39,7 @@ def made_up_stage(**given: Any) -> Stage:
 
 def made_up_summary(fell_at: float | None = None, pushed_at: float | None = None, **given: Any) -> Summary:
     """An episode of 16 s in which nothing went wrong, unless it fell."""
-    fall = None if fell_at is None else FallReport(time=fell_at, phase="left stance, 10 % of the step", reason=REASON)
+    fall = None if fell_at is None else Fall(time=fell_at, phase="left stance, 10 % of the step", reason=REASON)
     fields: dict[str, Any] = {
         "fell": fall is not None,
         "fall": fall,

@@ -12,8 +12,7 @@ from tests.simulation.standing import robot
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments import battery, run_battery
 from gaitsmith.experiments.battery import TrialOutcome
-from gaitsmith.experiments.limits import Limit, judge, shown
-from gaitsmith.experiments.measures import measure
+from gaitsmith.experiments.limits import Limit, judge, measure, shown
 from gaitsmith.experiments.sets import Trial, TrialEntry, TrialSet
 from gaitsmith.simulation.scenario import make_scenario
 

@@ -1,21 +1,22 @@
 """Figures of a made-up walk: they say what the recording says, and need no display."""
 
+import copy
 import struct
-from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
-from gaitsmith.view import FIGURES, LegTrace, Recording, draw_speed, draw_torques, write_figures
-from gaitsmith.view.timing import draw_timing
+from gaitsmith.log import Log
+from gaitsmith.view import FIGURES, Recording, draw_speed, draw_timing, draw_torques, write_figures
 
 PERIOD, WIDTH = 0.4, 0.0375
 PIXELS_WIDE = 1600
 
 
-def made_up_walk(seconds: float = 12.0, rate: float = 500.0) -> Recording:
+def made_up_walk(seconds: float = 12.0, rate: float = 500.0, samples: int | None = None) -> Recording:
     """A walk that speeds up and slows down; nothing falls because nothing is simulated."""
     rng = np.random.default_rng(1)
     time = np.arange(0.0, seconds, 1.0 / rate)
@@ -36,34 +37,43 @@ def made_up_walk(seconds: float = 12.0, rate: float = 500.0) -> Recording:
         soles[:, 3 * side : 3 * side + 2] = torso + feet[:, 3 * side : 3 * side + 2]
         soles[:, 3 * side + 2] = lift
     swings = np.sin(2 * np.pi * np.outer(time, np.ones(8)) / (2 * PERIOD) + np.tile([0.0, 0.5, 1.0, 1.5], 2))
-    return Recording(
-        title="made up",
-        time=time,
-        speed_command=command,
-        speed=command + 0.03 * rng.standard_normal((n, 2)) + 0.05 * np.sin(2 * np.pi * time / PERIOD)[:, None],
-        tilt=np.radians(0.3 * rng.standard_normal((n, 2))),
-        yaw=0.01 * np.sin(time),
-        height_command=np.full(n, 0.7),
-        height=0.7 + 0.004 * np.sin(2 * np.pi * time / PERIOD),
-        stance=stance,
-        step_count=step,
-        joint_names=tuple(f"{side}_{name}" for side in ("left", "right") for name in ("hip", "femur", "knee", "ankle")),
-        joint_desired=0.4 * swings,
-        joint_position=0.4 * swings + 0.01,
-        torque=40.0 * swings,
+    joints = tuple(f"{side}_{name}" for side in ("left", "right") for name in ("hip", "femur", "knee", "ankle"))
+    speed = command + 0.03 * rng.standard_normal((n, 2)) + 0.05 * np.sin(2 * np.pi * time / PERIOD)[:, None]
+    height = 0.7 + 0.004 * np.sin(2 * np.pi * time / PERIOD)
+    ends = [f"{side}.{axis}" for side in ("left", "right") for axis in "xyz"]
+    blocks: dict[tuple[str, ...], np.ndarray] = {
+        ("time", "mode", "stance", "command.height"): np.column_stack([time, time >= 0.0, stance, np.full(n, 0.7)]),
+        ("command.speed_x", "command.speed_y"): command,
+        ("true.com_velocity_x", "true.com_velocity_y"): speed,
+        ("true.torso_roll", "true.torso_pitch"): np.radians(0.3 * rng.standard_normal((n, 2))),
+        ("true.torso_yaw",): 0.01 * np.sin(time)[:, None],
+        ("true.hip_height_left", "true.hip_height_right"): np.column_stack([height, height]),
+        tuple(f"joint_desired.{name}" for name in joints): 0.4 * swings,
+        tuple(f"joint_position.{name}" for name in joints): 0.4 * swings + 0.01,
+        tuple(f"torque.{name}" for name in joints): 40.0 * swings,
+        tuple(f"foot_desired.{end}" for end in ends): feet,
+        tuple(f"foot_actual.{end}" for end in ends): feet + 0.003,
+        tuple(f"true.{end.replace('.', '_sole_')}" for end in ends): soles,
+        ("true.torso_x", "true.torso_y"): torso,
+        ("zmp.left.x", "zmp.left.y", "zmp.right.x", "zmp.right.y"): np.tile([0.02, 0.0, 0.02, 0.0], (n, 1)),
+    }
+    log = Log(tuple(name for names in blocks for name in names), np.column_stack(list(blocks.values()))[:samples])
+    durations = (np.geomspace(10.0, 100.0, 50), rng.integers(1, 1000, 50))
+    robot = SimpleNamespace(
+        card=SimpleNamespace(name="made up"),
+        joint_names=joints,
         torque_limit=np.array([100.0, 150.0, 200.0, 80.0] * 2),
-        foot_desired=feet,
-        foot_actual=feet + 0.003,
-        sole_position=soles,
-        torso_position=torso,
-        zmp=np.tile([0.02, 0.0, 0.02, 0.0], (n, 1)),
-        tick_us=np.geomspace(10.0, 100.0, 50),
-        tick_counts=rng.integers(1, 1000, 50),
-        legs=(
-            LegTrace("left", (0, 1, 2, 3), 0.08, 0.14, 0.0),
-            LegTrace("right", (4, 5, 6, 7), 0.08, 0.14, 0.0),
-        ),
+        legs=[
+            SimpleNamespace(
+                name=side,
+                joints=joints[4 * k : 4 * k + 4],
+                joint_indices=np.arange(4 * k, 4 * k + 4),
+                sole=SimpleNamespace(heel=0.08, toe=0.14, half_width=0.0),
+            )
+            for k, side in enumerate(("left", "right"))
+        ],
     )
+    return Recording(log, robot, durations)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -82,8 +92,9 @@ def test_every_figure_is_a_png_of_full_width(walk: Recording, tmp_path: Path) ->
 
 def test_names_are_text_never_markup(walk: Recording, tmp_path: Path) -> None:
     """A joint that would be wrong as a formula is drawn as it is written."""
-    names = ("$\\frac$", *walk.joint_names[1:])
-    marked = replace(walk, joint_names=names)
+    marked = copy.copy(walk)
+    marked.robot = copy.copy(walk.robot)
+    marked.robot.joint_names = ("$\\frac$", *walk.robot.joint_names[1:])  # type: ignore[misc]
     assert len(write_figures(marked, tmp_path)) == len(FIGURES)
     assert any("$\\frac$" in axes.get_title(loc="left") for axes in draw_torques(marked).axes)
 
@@ -112,16 +123,13 @@ def test_torque_titles_name_the_limit(walk: Recording) -> None:
     assert "left_knee, right_knee   limit 200 N·m" in titles
 
 
-def test_a_recording_of_two_samples_is_drawn(walk: Recording, tmp_path: Path) -> None:
-    fields = {
-        name: value[:2] if isinstance(value, np.ndarray) and len(value) == len(walk.time) else value
-        for name, value in vars(walk).items()
-    }
-    assert len(write_figures(Recording(**fields), tmp_path)) == len(FIGURES)
+def test_a_recording_of_two_samples_is_drawn(tmp_path: Path) -> None:
+    assert len(write_figures(made_up_walk(samples=2), tmp_path)) == len(FIGURES)
 
 
 def test_timing_is_drawn_only_if_durations_are_known(walk: Recording, tmp_path: Path) -> None:
-    unknown = replace(walk, tick_us=np.zeros(0), tick_counts=np.zeros(0, dtype=np.int64))
+    unknown = copy.copy(walk)
+    unknown.tick_us, unknown.tick_counts = np.zeros(0), np.zeros(0, dtype=np.int64)
     assert {path.stem for path in write_figures(unknown, tmp_path)} == set(FIGURES) - {"timing"}
 
 

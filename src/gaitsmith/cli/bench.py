@@ -86,9 +86,6 @@ def bench(words: list[str], program: str) -> Outcome:
 
     An experiment takes the options by name and ``progress(done, total, what)``; it returns ``document`` (plain
     data), ``columns`` and ``rows`` (words), ``notes`` (lines) and ``interrupted``.
-
-    Raises:
-        BadInput: the command line, the robot or the folder cannot be used.
     """
     kind, name = _EXPERIMENTS[program.split()[-1]]
     options = parse(kind, words, program).model_dump(exclude={"json_"})

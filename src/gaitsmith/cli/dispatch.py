@@ -46,7 +46,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Command:
-    """One leaf of the command tree: where its ``run(words, program) -> Outcome`` lives."""
+    """One leaf of the command tree: where its ``run(words, program) -> Outcome`` lives.
+
+    It raises BadInput for a command line, a robot, a file or a folder that cannot be used.
+    """
 
     module: str
     function: str

@@ -28,11 +28,7 @@ class ExportArguments(Arguments):
 
 
 def export(words: list[str], program: str) -> Outcome:
-    """Run the command.
-
-    Raises:
-        BadInput: the command line, the file or the robot cannot be used.
-    """
+    """Run the command."""
     arguments = parse(ExportArguments, words, program)
     path = check_file(arguments.out or _beside(arguments.gait, arguments.format), (arguments.gait,))
     from gaitsmith.cli.display import Display

@@ -26,11 +26,7 @@ class CheckArguments(Arguments):
 
 
 def check(words: list[str], program: str) -> Outcome:
-    """Run the command.
-
-    Raises:
-        BadInput: the command line, no log there, not a log, or the folder cannot be written.
-    """
+    """Run the command."""
     arguments = parse(CheckArguments, words, program)
     path = Path(arguments.run)
     path = path / LOG if path.is_dir() else path

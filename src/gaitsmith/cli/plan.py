@@ -22,19 +22,15 @@ if TYPE_CHECKING:
 
 
 def plan(words: list[str], program: str) -> Outcome:
-    """Run the command.
-
-    Raises:
-        BadInput: the command line, the motion, the robot or an output cannot be used.
-    """
+    """Run the command."""
     arguments = parse(PlanArguments, words, program)
     task = task_of(arguments)
     if task == CLAIMS:
-        from gaitsmith.cli.claims import claims
+        from gaitsmith.cli.many_plans import claims
 
         return claims(arguments.robot)
     if task == SWEEP:
-        from gaitsmith.cli.sweep import sweep
+        from gaitsmith.cli.many_plans import sweep
 
         return sweep(arguments.robot, arguments.jobs or 1)
     inputs = (arguments.motion or "", arguments.robot)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from typing import NoReturn
 
 from rich.box import SIMPLE_HEAD
@@ -36,13 +36,19 @@ class Printer(Console):
         raise BrokenPipeError
 
 
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,), title: str = "") -> Table:
-    """A table of words; the columns numbered in ``left`` hold words, the others numbers."""
+def table(
+    headings: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    left: Sequence[int] = (0,),
+    title: str = "",
+    red: Container[str] = (),
+) -> Table:
+    """A table of words; the columns numbered in ``left`` hold words, the others numbers; rows named in ``red`` are."""
     made = Table(box=SIMPLE_HEAD, title=title or None, title_justify="left")
     for index, heading in enumerate(headings):
         made.add_column(heading, justify="left" if index in left else "right")
     for row in rows:
-        made.add_row(*row)
+        made.add_row(*row, style="red" if row[0] in red else None)
     return made
 
 

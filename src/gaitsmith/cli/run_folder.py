@@ -7,18 +7,19 @@ ends the run leaves what it had done.
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import lock, regular_target, why_unwritable, write_text_atomic
 
 if TYPE_CHECKING:
-    from gaitsmith.simulation import Summary
+    from gaitsmith.simulation import Scenario, Summary
 
 LOG, SUMMARY = "log.mcap", "summary.json"
 FIGURE_ROWS = 150_000
@@ -159,3 +160,25 @@ def write_summary(folder: Path, summary: Summary) -> None:
         BadInput: the disk is full.
     """
     write_text_atomic(folder / SUMMARY, summary.model_dump_json(indent=2) + "\n")
+
+
+def scenario_toml(scenario: Scenario) -> str:
+    """TOML text that :func:`gaitsmith.simulation.load_scenario` turns into the same scenario, every digit kept."""
+    fields = scenario.model_dump(mode="json", exclude_none=True)
+    tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
+    lists = {name: value for name, value in fields.items() if name in ("changes", "pushes")}
+    parts = [_table({name: value for name, value in fields.items() if name not in tables and name not in lists})]
+    parts += [f"[{name}]\n{_table(value)}" for name, value in tables.items()]
+    parts += [f"[[{name}]]\n{_table(entry)}" for name, value in lists.items() for entry in value]
+    return "\n".join(parts)
+
+
+def _table(fields: Mapping[str, Any]) -> str:
+    return "".join(f"{name} = {_value(value)}\n" for name, value in fields.items())
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    text = json.dumps(value, ensure_ascii=False)
+    return text.replace("\x7f", "\\u007f") if isinstance(value, str) else text

@@ -21,11 +21,7 @@ class VerifyArguments(Arguments):
 
 
 def verify(words: list[str], program: str) -> Outcome:
-    """Run the command.
-
-    Raises:
-        BadInput: the command line, the file or the robot cannot be used.
-    """
+    """Run the command."""
     arguments = parse(VerifyArguments, words, program)
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import verify as check

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, parse
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
 from gaitsmith.cli.interrupts import stop_if_heard
-from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_folder, write_summary
+from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_folder, scenario_toml, write_summary
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted, write_text_atomic
@@ -43,11 +43,7 @@ WalkArguments = overriding(_Walk, Scenario, "the robot's", DEFAULT)
 
 
 def walk(words: list[str], program: str) -> Outcome:
-    """Run the command.
-
-    Raises:
-        BadInput: the command line, the scenario, the robot, or the output folder cannot be used.
-    """
+    """Run the command."""
     arguments = parse(WalkArguments, words, program)
     folder = check_new_folder(arguments.out) if arguments.out is not None else None
     scenario = scenario_from(arguments)
@@ -106,7 +102,6 @@ def _renamed(error: BadInput, arguments: _Walk) -> BadInput:
 def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Simulation, Episode]:
     """Load everything, then run, with progress on stderr if that is a terminal; what a run has done is never lost."""
     from gaitsmith.cli.display import Display
-    from gaitsmith.cli.scenario_file import scenario_toml
     from gaitsmith.simulation import Simulation
 
     simulation = None
@@ -149,11 +144,11 @@ def _draw(folder: Path, simulation: Simulation) -> None:
             if len(log.rows) < 2:
                 return
             logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
-            from gaitsmith.view import recording_of, write_figures
+            from gaitsmith.view import Recording, write_figures
 
             if len(log.rows) == FIGURE_ROWS and log.time[0] > 1.0:
                 display.say(f"the figures show the run from {log.time[0]:.0f} s on; the log has all of it")
-            write_figures(recording_of(log, simulation.robot, simulation.wall_times.histogram()), folder)
+            write_figures(Recording(log, simulation.robot, simulation.wall_times.histogram()), folder)
         except (GaitsmithError, OSError, MemoryError) as error:
             display.say(f"figures: {error}; log and summary are in {folder}")
 

@@ -4,88 +4,75 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from gaitsmith.cli.printing import Printer
+from gaitsmith.cli.printing import Printer, table
 from gaitsmith.robots import Robot
 from gaitsmith.simulation import Summary
-from gaitsmith.simulation.summary import Tracking
+from gaitsmith.simulation.summary import Stage, Tracking
 
 
 def print_report(summary: Summary, robot: Robot, folder: Path | None) -> None:
     """Print stages, torques against limits, times, and what went wrong, to stdout."""
     console = Printer()
-    console.print(stage_table(summary))
-    console.print(joint_table(summary, robot))
+    headings = (
+        *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
+        *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
+    )
+    title = f"{summary.robot}, preset {summary.preset}, {summary.state} state, {summary.terrain}"
+    console.print(table(headings, map(_stage_row, summary.stages), left=(), title=title))
+    console.print(_joint_table(summary, robot))
     for line in closing_lines(summary):
-        console.print(Text(line))
+        console.print(line)
     if summary.fall is not None:
         fall = summary.fall
         console.print(Text(f"FELL at {fall.time:.2f} s, {fall.phase}: {fall.reason}", style="bold red"))
     if summary.interrupted:
         console.print(Text(f"interrupted after {summary.duration:.2f} s", style="bold yellow"))
     if folder is not None:
-        console.print(Text(f"written to {folder}"), soft_wrap=True)
+        console.print(f"written to {folder}", soft_wrap=True)
 
 
-def stage_table(summary: Summary) -> Table:
-    """One row per stage of constant command."""
-    title = f"{summary.robot}, preset {summary.preset}, {summary.state} state, {summary.terrain}"
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for heading in (
-        *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
-        *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
-    ):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for stage in summary.stages:
-        command = "rest" if stage.rest else f"{stage.command.vx:.2f}"
-        if not stage.rest and stage.command.vy:
-            command += f", {stage.command.vy:.2f}"
-        if not stage.rest and stage.command.yaw_rate:
-            command += f", {stage.command.yaw_rate:+.2f} rad/s"
-        table.add_row(
-            f"{stage.t0:.1f} to {stage.t1:.1f}",
-            command,
-            f"{stage.vx_mean:.4f}",
-            f"{1e3 * stage.vx_error:+.1f}",
-            f"{1e3 * stage.vy_error:+.1f}",
-            f"{stage.roll_deg[0]:+.2f} to {stage.roll_deg[1]:+.2f}",
-            f"{stage.pitch_deg[0]:+.2f} to {stage.pitch_deg[1]:+.2f}",
-            f"{1e3 * stage.height_error:+.1f}",
-            f"{stage.yaw_rate_error:+.3f}",
-        )
-    return table
+def _stage_row(stage: Stage) -> tuple[str, ...]:
+    """A stage of constant command in words."""
+    command = "rest"
+    if not stage.rest:
+        command = f"{stage.command.vx:.2f}" + (f", {stage.command.vy:.2f}" if stage.command.vy else "")
+        command += f", {stage.command.yaw_rate:+.2f} rad/s" if stage.command.yaw_rate else ""
+    return (
+        f"{stage.t0:.1f} to {stage.t1:.1f}",
+        command,
+        f"{stage.vx_mean:.4f}",
+        f"{1e3 * stage.vx_error:+.1f}",
+        f"{1e3 * stage.vy_error:+.1f}",
+        *(f"{low:+.2f} to {high:+.2f}" for low, high in (stage.roll_deg, stage.pitch_deg)),
+        f"{1e3 * stage.height_error:+.1f}",
+        f"{stage.yaw_rate_error:+.3f}",
+    )
 
 
-def joint_table(summary: Summary, robot: Robot) -> Table:
+def _joint_table(summary: Summary, robot: Robot) -> Table:
     """Torque and speed of every joint against their limits."""
-    table = Table(title="joints", title_justify="left", box=SIMPLE_HEAD)
-    table.add_column("joint")
-    for heading in (
-        *("torque\nN·m", "limit\nN·m", "of limit", "at limit\nof ticks", "largest step\nN·m in 1 tick"),
+    headings = (
+        *("joint", "torque\nN·m", "limit\nN·m", "of limit", "at limit\nof ticks", "largest step\nN·m in 1 tick"),
         *("speed\nrad/s", "limit\nrad/s", "over limit\nof ticks"),
-    ):
-        table.add_column(heading, justify="right", no_wrap=True)
-    limits = zip(robot.joint_names, robot.torque_limit, robot.velocity_limit, strict=True)
-    for name, most, fastest in limits:
-        peak, saturated, over = (
-            of[name] for of in (summary.torque_peak, summary.torque_saturated, summary.velocity_over)
+    )
+    rows = [
+        (
+            *(
+                name,
+                f"{summary.torque_peak[name]:.1f}",
+                f"{most:.0f}",
+                f"{100 * summary.torque_peak[name] / most:.0f} %",
+            ),
+            *(f"{100 * summary.torque_saturated[name]:.2f} %", f"{summary.torque_step_max[name]:.1f}"),
+            *(f"{summary.velocity_peak[name]:.2f}", f"{fastest:.1f}", f"{100 * summary.velocity_over[name]:.2f} %"),
         )
-        table.add_row(
-            name,
-            f"{peak:.1f}",
-            f"{most:.0f}",
-            f"{100 * peak / most:.0f} %",
-            f"{100 * saturated:.2f} %",
-            f"{summary.torque_step_max[name]:.1f}",
-            f"{summary.velocity_peak[name]:.2f}",
-            f"{fastest:.1f}",
-            f"{100 * over:.2f} %",
-            style="red" if saturated > 0.0 or over > 0.0 else None,
-        )
-    return table
+        for name, most, fastest in zip(robot.joint_names, robot.torque_limit, robot.velocity_limit, strict=True)
+    ]
+    over = {name for shares in (summary.torque_saturated, summary.velocity_over) for name in shares if shares[name]}
+    return table(headings, rows, title="joints", red=over)
 
 
 def closing_lines(summary: Summary) -> list[str]:

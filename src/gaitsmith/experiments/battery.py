@@ -9,15 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments.episodes import loop_identity, run_all
-from gaitsmith.experiments.limits import QUANTITIES, Finding, Judgement, judge, shown
-from gaitsmith.experiments.measures import measure
+from gaitsmith.experiments.episodes import loop_identity, run_all, why_unfit
+from gaitsmith.experiments.limits import QUANTITIES, Finding, Judgement, judge, measure, shown
 from gaitsmith.experiments.result import Progress, Result, silent
 from gaitsmith.experiments.sets import Trial, load_set
 from gaitsmith.experiments.store import Store
-from gaitsmith.robots import Robot
 from gaitsmith.simulation import Scenario, Summary
-from gaitsmith.simulation.scenario import check_scenario
 
 
 def run_battery(
@@ -45,7 +42,7 @@ def run_battery(
     chosen = load_set(set, robot, preset, gait)
     loaded, trials = chosen.robot, _chosen(chosen.trials, only)
     store = Store(out)
-    unfit = {trial.name: reason for trial in trials if (reason := _unfit(trial.scenarios, loaded))}
+    unfit = {trial.name: reason for trial in trials if (reason := why_unfit(trial.scenarios, loaded))}
     wanted = [scenario for trial in trials if trial.name not in unfit for scenario in trial.scenarios]
     episodes = run_all(wanted, loaded, store, jobs=jobs, progress=progress, what="walking")
     outcomes = [
@@ -78,16 +75,6 @@ def _chosen(trials: Sequence[Trial], only: Sequence[str]) -> list[Trial]:
         if name not in names:
             raise BadInput("--only", name, "one of " + ", ".join(names))
     return [trial for trial in trials if not only or trial.name in only]
-
-
-def _unfit(scenarios: Sequence[Scenario], robot: Robot) -> str:
-    """Why a robot cannot run these scenarios; empty if it can."""
-    try:
-        for scenario in scenarios:
-            check_scenario(scenario, robot)
-    except BadInput as error:
-        return f"{error.field} {error.value} is not {error.valid}"
-    return ""
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,16 @@ def episode_key(loop: str, scenario: Scenario) -> str:
     return hashlib.sha256(f"{loop}\n{text}".encode()).hexdigest()[:32]
 
 
+def why_unfit(scenarios: Iterable[Scenario], robot: Robot) -> str:
+    """Why a robot cannot run these scenarios; empty if it can."""
+    try:
+        for scenario in scenarios:
+            check_scenario(scenario, robot)
+    except BadInput as error:
+        return f"{error.field} {error.value} is not {error.valid}"
+    return ""
+
+
 @dataclass(frozen=True)
 class Episodes:
     """Finished episodes.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments.episodes import loop_identity, run_all
+from gaitsmith.experiments.episodes import loop_identity, run_all, why_unfit
 from gaitsmith.experiments.largest import Search, search_largest
 from gaitsmith.experiments.limits import shown
 from gaitsmith.experiments.push_grid import Cell, GridOutcome, PushGrid, momentum_unit
@@ -80,12 +80,7 @@ def push_grids(
         grids = tuple(replace(grid, least=None, goal=None, **changed) for grid in grids)
     if largest:  # the gaits of the set, each once, beginning with its largest impulse
         grids = tuple({grid.base: grid for grid in sorted(grids, key=lambda grid: grid.impulse)}.values())
-    skipped: dict[PushGrid, str] = {}
-    for grid in grids:
-        try:
-            check_scenario(grid.scenario(Cell(0, 0)), loaded)
-        except BadInput as error:
-            skipped[grid] = f"{error.field} {error.value} is not {error.valid}"
+    skipped = {grid: reason for grid in grids if (reason := why_unfit([grid.scenario(Cell(0, 0))], loaded))}
     store = Store(out)
     head = {"robot": loaded.card.name, "preset": preset, "set": set, "identity": loop_identity(loaded)}
     fit = [grid for grid in grids if grid not in skipped]
@@ -110,17 +105,10 @@ def _run_grids(
     """Run every cell of every grid, and tabulate."""
     scenarios = {(grid, cell): grid.scenario(cell) for grid in grids for cell in grid.cells}
     episodes = run_all(scenarios.values(), robot, store, jobs=jobs, progress=progress, what="pushing")
-    outcomes = [
-        GridOutcome(
-            grid,
-            {
-                cell: episodes.found[scenarios[grid, cell]]
-                for cell in grid.cells
-                if scenarios[grid, cell] in episodes.found
-            },
-        )
-        for grid in grids
-    ]
+    outcomes = []
+    for grid in grids:
+        found = {cell: episodes.found.get(scenarios[grid, cell]) for cell in grid.cells}
+        outcomes.append(GridOutcome(grid, {cell: summary for cell, summary in found.items() if summary is not None}))
     notes = episodes.notes(len(scenarios), store)
     for outcome in outcomes:
         limits = ", ".join(f"{name} ({count})" for name, count in outcome.fall_limits().most_common(4))
@@ -145,19 +133,14 @@ def _run_grids(
 
 def _row(outcome: GridOutcome) -> tuple[str, ...]:
     """One grid in words."""
-    document, closest, grid = outcome.document(), outcome.closest, outcome.grid
-    target = "report" if document["least"] is None else f"≥ {document['least']} of {document['total']}"
+    closest, grid = outcome.closest, outcome.grid
+    target = "report" if grid.least is None else f"≥ {grid.least} of {len(grid.cells)}"
     if grid.goal is not None and grid.goal > (grid.least or 0):
-        target += f", goal {document['goal']}"
+        target += f", goal {grid.goal}"
     if grid.separation is not None:
         target += f"; {grid.separation.target()}"
-    return (
-        grid.name,
-        target,
-        f"{document['survived']} of {document['run']}",
-        shown("separation", closest[0] if closest else None),
-        outcome.verdict(),
-    )
+    survived = f"{len(outcome.survivors)} of {len(outcome.found)}"
+    return grid.name, target, survived, shown("separation", closest[0] if closest else None), outcome.verdict()
 
 
 def _largest_result(

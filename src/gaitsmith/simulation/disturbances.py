@@ -102,14 +102,12 @@ class Pushes:
     """
 
     def __init__(self, pushes: tuple[Push, ...], plant: Pushable, control_step: float) -> None:
-        self._pushes = pushes
-        self._plant = plant
+        self._pushes, self._plant = pushes, plant
         self._ticks = [max(1, round(push.duration / control_step)) for push in pushes]
+        self._left = [-1] * len(pushes)  # ticks still to push; -1 before the start
         self._force = [
             np.asarray(push.impulse) / (n * control_step) for push, n in zip(pushes, self._ticks, strict=True)
         ]
-        self._left = [-1] * len(pushes)  # ticks still to push; -1 before the start
-        self._pending = len(pushes)
         self._before = math.nan
         self.started = [math.nan] * len(pushes)
 
@@ -121,28 +119,26 @@ class Pushes:
     @property
     def done(self) -> bool:
         """Whether every push is over, so that the loop need not ask any more."""
-        return self._pending == 0
+        return not any(self._left)
 
-    def apply(self, time: float, phase: float) -> None:
-        """Set the forces for the control tick that begins at ``time``, s, with the stride at ``phase``."""
-        changed: set[str | None] = set()
+    def apply(self, time: float, phase: float) -> set[int]:
+        """Set the forces for the control tick that begins at ``time``, s, with the stride at ``phase``.
+
+        Returns:
+            The pushes that begin or end with it.
+        """
+        before = self.active
         for k, push in enumerate(self._pushes):
-            if self._left[k] == -1 and self._starts(push, time, phase):
-                self._left[k] = self._ticks[k]
-                self.started[k] = time
-                changed.add(push.body)
-            elif self._left[k] > 0:
+            if k in before:
                 self._left[k] -= 1
-                if self._left[k] == 0:
-                    self._pending -= 1
-                    changed.add(push.body)
-        for body in changed:
-            total = np.zeros(3)
-            for k, push in enumerate(self._pushes):
-                if push.body == body and self._left[k] > 0:
-                    total += self._force[k]
-            self._plant.push(total, body)
+            elif self._left[k] < 0 and self._starts(push, time, phase):
+                self._left[k], self.started[k] = self._ticks[k], time
+        changed = before ^ self.active
+        for body in {self._pushes[k].body for k in changed}:
+            acting = [self._force[k] for k in self.active if self._pushes[k].body == body]
+            self._plant.push(np.sum(acting, axis=0) if acting else np.zeros(3), body)
         self._before = phase
+        return changed
 
     def _starts(self, push: Push, time: float, phase: float) -> bool:
         """Whether a push that has not begun begins now."""
@@ -173,16 +169,12 @@ class Disturber:
         names = ("mode", "stance", "step_time", "step_count", "command.period")
         self._stride = [columns.block([name]) for name in names]
         self._clock = StrideClock() if any(push.phase is not None for push in pushes) else None
-        self._active: set[int] = set()
 
     def observe(self, tick: int) -> bool:
         """Push if it is time; never ends the run."""
         if not self.pushes.done:
-            self.pushes.apply(self._plant.time, self._phase())
-            active = self.pushes.active
-            for push in active ^ self._active:
-                self._tell({"push": push, "over": push not in active})
-            self._active = active
+            for push in self.pushes.apply(self._plant.time, self._phase()):
+                self._tell({"push": push, "over": push not in self.pushes.active})
         return False
 
     def hear(self, event: Mapping[str, Any]) -> None:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import contextlib
 import gc
 import math
-from collections.abc import Callable, Iterator, Mapping
+import os
+import resource
+import sys
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,26 +21,25 @@ from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.log.columns import Columns
-from gaitsmith.log.record import DECIMATION, Log, Recorder
-from gaitsmith.log.scratch import Scratch, new_file, read_back
+from gaitsmith.log.record import DECIMATION, Log, Recorder, Scratch, new_file, read_back
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.disturbances import Disturber
-from gaitsmith.simulation.fall import Fall, explain
+from gaitsmith.simulation.fall import explain
 from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
-from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
-from gaitsmith.simulation.summary import LogCounts, Memory, Summary
+from gaitsmith.simulation.summary import Fall, LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import parse_terrain
 from gaitsmith.simulation.wall_time import WallTimes
 
 Progress = Callable[[float], None]
 _PROGRESS_EVERY = 100  # ticks
 _COLLECT_EVERY = 10_000  # ticks
+_PLANT = {"joint_friction", "torque_delay", "friction", "mass_factor", "mass_spread", "seed"}  # as the plant calls them
 
 
 @dataclass(frozen=True)
@@ -109,14 +111,9 @@ class Simulation:
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),
             sensors=scenario.sensors if scenario.state == "estimated" else None,
-            joint_friction=scenario.joint_friction,
-            torque_delay=scenario.torque_delay,
-            friction=scenario.friction,
-            mass_factor=scenario.mass_factor,
-            mass_spread=scenario.mass_spread,
-            seed=scenario.seed,
             region=scenario.region() if self.plan is None else region_of(self.plan, scenario),
             props=balls_of(self.plan, self.robot),
+            **scenario.model_dump(include=_PLANT),
         )
         for push in scenario.pushes:
             self.plant.body_id(push.body)
@@ -128,14 +125,14 @@ class Simulation:
         self._warm_up()
         self.ticks = max(1, round(scenario.duration / step))
         self._monitor = self._make_monitor()
-        self._disturber = Disturber(scenario.pushes, self.plant, self._columns, self._tell)
+        self._disturber = Disturber(scenario.pushes, self.plant, self._columns, lambda event: self.loop.tell(event))
         self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
-        observers: list[Observer] = [self._monitor, *([self._recorder] if self._recorder else []), self._disturber]
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
-        observers += [self._tracked] if self._tracked is not None else []
+        watching: list[Observer | None] = [self._monitor, self._recorder, self._disturber, self._tracked]
+        observers = [observer for observer in watching if observer is not None]
         self.loop = Loop(self.plant, self.controller, commands or Script(_orders(scenario), step), observers)
-        self._wall, self._memory = 0.0, resident_mb()
+        self._wall, self._memory = 0.0, _resident_mb()
         self.interrupted = False
 
     def _warm_up(self) -> None:
@@ -170,9 +167,6 @@ class Simulation:
             "gait": self._commanded(),
         }
         return Recorder(file, self._columns.buffers, self._columns.names, notes, DECIMATION)
-
-    def _tell(self, event: Mapping[str, Any]) -> None:
-        self.loop.tell(event)
 
     @property
     def time(self) -> float:
@@ -285,17 +279,27 @@ class Simulation:
             self.robot,
             self._monitor,
             self._columns,
-            time=self.time,
+            duration=self.time,
             fall=self.fall,
             interrupted=self.interrupted,
             tick_us=self.wall_times.summary(),
             realtime_factor=self.time / self._wall if self._wall > 0.0 else 0.0,
             pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
             warnings=tuple(self.plant.warnings),
-            memory=Memory(start=self._memory, end=resident_mb()),
+            memory_mb=Memory(start=self._memory, end=_resident_mb()),
             tracking=self._tracked.report(self.time) if self._tracked is not None else None,
             log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,
         )
+
+
+def _resident_mb() -> float:
+    """Resident memory of this process, MB; where the system does not tell, the most that it has been so far."""
+    try:
+        with open("/proc/self/statm", "rb") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    except (OSError, ValueError, IndexError):
+        unit = 1.0 if sys.platform == "darwin" else 1024.0
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
 
 
 def _orders(scenario: Scenario) -> list[tuple[float, Order]]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gaitsmith.simulation.monitor import DIVERGED, SANK, TILTED, TOUCHED, Monitor
+from gaitsmith.simulation.summary import Fall
 
 _HOW = {
     TILTED: "the torso tilted by more than 60 degrees",
@@ -13,21 +12,6 @@ _HOW = {
     DIVERGED: "simulation diverged",
 }
 _SHOWN = 3
-
-
-@dataclass(frozen=True)
-class Fall:
-    """A fall.
-
-    Attributes:
-        time: s since the beginning of the run.
-        phase: stance leg and share of the step, in words.
-        reason: how it fell, then the limits hit since the last step without any, first one first.
-    """
-
-    time: float
-    phase: str
-    reason: str
 
 
 def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int]) -> Fall:
@@ -50,4 +34,5 @@ def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int]) 
     else:
         reason += "; no limit was hit in the last step"
     unusable = ", ".join(f"{count} of {sensor}" for sensor, count in refused.items() if count)
-    return Fall(time, phase, f"{reason}; ticks with unusable readings: {unusable}" if unusable else reason)
+    reason += f"; ticks with unusable readings: {unusable}" if unusable else ""
+    return Fall(time=time, phase=phase, reason=reason)

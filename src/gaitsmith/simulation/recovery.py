@@ -14,7 +14,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.log.columns import Columns
 from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, message_rows
 from gaitsmith.robots import load_robot
-from gaitsmith.simulation.fall import Fall, explain
+from gaitsmith.simulation.fall import explain
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import make_scenario
@@ -76,7 +76,7 @@ def summary_of(path: Path) -> Summary:
         row = np.zeros(len(columns))
         seen = Columns((columns, row))
         monitor = Monitor(robot, preset_parameters(robot, robot_scale(robot), scenario.preset), seen, dt, gait)
-        waiting, rows, fall, started = deque(reader.events), 0, None, [None] * len(scenario.pushes)
+        waiting, rows, started = deque(reader.events), 0, [None] * len(scenario.pushes)
         for block in reader:
             waiting.extend(reader.events)
             reader.events.clear()
@@ -89,27 +89,22 @@ def summary_of(path: Path) -> Summary:
                         started[event["push"]] = event["time"]
                 monitor.observe(rows)
                 rows += 1
-        fall = _fall(monitor, seen, float(row[0]))
+    time, fall = float(row[0]), None
+    if monitor.state != UPRIGHT:
+        fall = explain(monitor, time, phase_in_words(seen), refused_readings(seen))
     changed = robot.content_hash != notes.get("robot_hash")
     return sum_up(
         scenario,
         robot,
         monitor,
         seen,
-        time=float(row[0]),
+        duration=time,
         fall=fall,
         interrupted=True,
         tick_us=WallTimes(dt).summary(),
         realtime_factor=0.0,
         pushes=tuple(started),
         warnings=("the robot's files have changed since the run",) if changed else (),
-        memory=None,
+        memory_mb=None,
         log=LogCounts(rows=rows, dropped=reader.head.dropped, complete=reader.complete),
     )
-
-
-def _fall(monitor: Monitor, seen: Columns, time: float) -> Fall | None:
-    """The fall, if the last row shows one."""
-    if monitor.state == UPRIGHT:
-        return None
-    return explain(monitor, time, phase_in_words(seen), refused_readings(seen))

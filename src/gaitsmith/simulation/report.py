@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.control.state import STATE_NAMES
 from gaitsmith.log.columns import Columns
 from gaitsmith.robots import Robot
-from gaitsmith.simulation.fall import Fall
 from gaitsmith.simulation.monitor import Monitor
 from gaitsmith.simulation.scenario import Scenario
-from gaitsmith.simulation.summary import FallReport, LogCounts, Memory, QpCounts, Summary, TickTimes, Tracking
+from gaitsmith.simulation.summary import QpCounts, Summary
 
 
 def _last(columns: Columns, name: str) -> float:
@@ -35,23 +36,7 @@ def phase_in_words(columns: Columns) -> str:
     return "standing"
 
 
-def sum_up(
-    scenario: Scenario,
-    robot: Robot,
-    monitor: Monitor,
-    columns: Columns,
-    *,
-    time: float,
-    fall: Fall | None,
-    interrupted: bool,
-    tick_us: TickTimes,
-    realtime_factor: float,
-    pushes: tuple[float | None, ...],
-    warnings: tuple[str, ...],
-    memory: Memory | None,
-    log: LogCounts | None,
-    tracking: Tracking | None = None,
-) -> Summary:
+def sum_up(scenario: Scenario, robot: Robot, monitor: Monitor, columns: Columns, **rest: Any) -> Summary:
     """A run in numbers.
 
     Args:
@@ -59,19 +44,9 @@ def sum_up(
         robot: that was run.
         monitor: that watched it.
         columns: telemetry and truth as they are at the end.
-        time: simulated, s.
-        fall: None if there was none.
-        interrupted: whether it was cut short.
-        tick_us: wall times of the ticks.
-        realtime_factor: simulated over wall time.
-        pushes: when each began, s.
-        warnings: of the physics engine.
-        memory: in use at the beginning and now.
-        log: what was recorded.
-        tracking: of a planned gait.
+        rest: fields of the summary that none of these knows.
     """
-    kept, joints, true = monitor.kept, monitor.kept.joints, monitor.prefix
-    shares = max(monitor.ticks, 1)
+    kept, joints, true, ticks = monitor.kept, monitor.kept.joints, monitor.prefix, max(monitor.ticks, 1)
 
     def per_joint(values: npt.NDArray[np.float64]) -> dict[str, float]:
         return dict(zip(monitor.joint_names, values.tolist(), strict=True))
@@ -81,15 +56,10 @@ def sum_up(
         return (low, high) if kept.upright[0] else (0.0, 0.0)
 
     return Summary(
-        fell=fall is not None,
-        fall=FallReport(time=fall.time, phase=fall.phase, reason=fall.reason) if fall else None,
-        interrupted=interrupted,
+        **rest,
+        fell=rest["fall"] is not None,
         robot=robot.card.name,
-        preset=scenario.preset,
-        state=scenario.state,
-        terrain=scenario.terrain,
-        seed=scenario.seed,
-        duration=time,
+        **{name: getattr(scenario, name) for name in ("preset", "state", "terrain", "seed")},
         steps=int(_last(columns, "step_count")),
         stages=monitor.stages(),
         drift=_last(columns, true + "excursion"),
@@ -99,22 +69,11 @@ def sum_up(
         min_foot_separation=_last(columns, true + "least_separation"),
         leg_contacts=int(_last(columns, true + "leg_contacts")),
         torque_peak=per_joint(joints.torque_peak),
-        torque_saturated=per_joint(joints.torque_saturated / shares),
+        torque_saturated=per_joint(joints.torque_saturated / ticks),
         torque_step_max=per_joint(joints.torque_step),
         velocity_peak=per_joint(joints.velocity_peak),
-        velocity_over=per_joint(joints.velocity_over / shares),
+        velocity_over=per_joint(joints.velocity_over / ticks),
         control_state=STATE_NAMES[int(_last(columns, "control_state"))],
         refused=refused_readings(columns),
-        qp=QpCounts(
-            solves=int(_last(columns, "qp_solves")),
-            fallbacks=int(_last(columns, "qp_fallbacks")),
-            infeasible=int(_last(columns, "qp_infeasible")),
-        ),
-        tick_us=tick_us,
-        realtime_factor=realtime_factor,
-        pushes=pushes,
-        warnings=warnings,
-        memory_mb=memory,
-        log=log,
-        tracking=tracking,
+        qp=QpCounts(**{name: int(_last(columns, f"qp_{name}")) for name in QpCounts.model_fields}),
     )

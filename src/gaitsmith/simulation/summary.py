@@ -70,8 +70,14 @@ class Stage(Frozen):
     settled_pitch_deg: tuple[float, float]
 
 
-class FallReport(Frozen):
-    """A fall: when, in which phase of the step, and why."""
+class Fall(Frozen):
+    """A fall.
+
+    Attributes:
+        time: s since the beginning of the run.
+        phase: stance leg and share of the step, in words.
+        reason: how it fell, then the limits hit since the last step without any, first one first.
+    """
 
     time: float
     phase: str
@@ -186,7 +192,7 @@ class Summary(Frozen):
     """
 
     fell: bool
-    fall: FallReport | None
+    fall: Fall | None
     interrupted: bool
     robot: str
     preset: str

@@ -9,15 +9,13 @@ from matplotlib.figure import Figure
 
 from gaitsmith.view.canvas import save as save
 from gaitsmith.view.footprints import draw_footprints as draw_footprints
-from gaitsmith.view.from_log import recording_of as recording_of
 from gaitsmith.view.push_map import draw_push_map as draw_push_map
-from gaitsmith.view.recording import LegTrace as LegTrace
 from gaitsmith.view.recording import Recording as Recording
-from gaitsmith.view.timing import draw_timing as draw_timing
 from gaitsmith.view.tracking import draw_feet as draw_feet
 from gaitsmith.view.tracking import draw_height as draw_height
 from gaitsmith.view.tracking import draw_joints as draw_joints
 from gaitsmith.view.tracking import draw_speed as draw_speed
+from gaitsmith.view.tracking import draw_timing as draw_timing
 from gaitsmith.view.tracking import draw_torques as draw_torques
 
 FIGURES: dict[str, Callable[[Recording], Figure]] = {

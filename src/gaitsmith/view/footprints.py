@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from gaitsmith.view.canvas import COMMAND, LEFT, RIGHT, THIRD, above, figure, sampled
-from gaitsmith.view.recording import Array, LegTrace, Recording
+from gaitsmith.view.recording import Array, Recording
 
 _LINE_SOLE = 0.012  # m: half the width a line sole is drawn with
 _PLOT_SHAPE = 2.6  # width over height of the plot, to find the scale of its axes
@@ -25,7 +25,7 @@ def draw_footprints(recording: Recording) -> Figure:
             at = _stances(recording, side)
             corners = [_outline(recording, side, index) for index in at]
             axis.add_collection(PolyCollection(corners, facecolors=f"{colour}55", edgecolors=colour, linewidths=1.0))
-            axis.plot([], [], color=colour, linewidth=4.0, alpha=0.6, label=f"{recording.legs[side].name} sole")
+            axis.plot([], [], color=colour, linewidth=4.0, alpha=0.6, label=f"{recording.robot.legs[side].name} sole")
         zmp = _zmp_path(recording)
         axis.plot(zmp[:, 0], zmp[:, 1], color=THIRD, linewidth=1.4, zorder=3, label="planned ZMP")
         path = recording.torso_position[sampled(recording)]
@@ -63,9 +63,9 @@ def _stances(recording: Recording, side: int) -> list[int]:
 
 def _outline(recording: Recording, side: int, index: int) -> Array:
     """Corners of a sole in the world, (4, 2)."""
-    leg: LegTrace = recording.legs[side]
-    half = leg.half_width or _LINE_SOLE
-    corners = np.array([(-leg.heel, -half), (leg.toe, -half), (leg.toe, half), (-leg.heel, half)])
+    sole = recording.robot.legs[side].sole
+    half = sole.half_width or _LINE_SOLE
+    corners = np.array([(-sole.heel, -half), (sole.toe, -half), (sole.toe, half), (-sole.heel, half)])
     return _placed(recording, side, np.array([index]), corners)
 
 

@@ -64,22 +64,16 @@ def _sticks(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
     with figure(f"{robot.card.name}: {gait.motion.name}", 3.6 if stays else 7.0) as made:
         side, front = made.subplots(2, 1)
         chosen = np.linspace(0, trace.bodies.shape[0] - 1, _STICKS).astype(int)
-        for axes, axis, title in ((side, 0, "from the side"), (front, 1, "from the front")):
+        chains = [[robot.torso_body, *robot.model.jnt_bodyid[leg.joint_indices + 1]] for leg in robot.legs]
+        for axes, axis, sign, title in ((side, 0, 1.0, "from the side"), (front, 1, -1.0, "from the front")):
             for order, k in enumerate(chosen):
-                shade = 0.25 + 0.75 * order / _STICKS
-                shift = spacing[axis] * order
-                for leg, colour in zip(robot.legs, (LEFT, RIGHT), strict=True):
-                    chain = [robot.torso_body] + [int(robot.model.jnt_bodyid[j + 1]) for j in leg.joint_indices]
-                    points = trace.bodies[k, chain]
-                    sign = 1.0 if axis == 0 else -1.0
-                    axes.plot(sign * points[:, axis] + shift, points[:, 2], color=colour, alpha=shade, lw=1.0)
-                    foot = trace.soles[leg.name][k]
-                    axes.plot(sign * foot[:, axis] + shift, foot[:, 2], color=colour, alpha=shade, lw=1.6)
                 trunk = trace.bodies[k, robot.torso_body]
-                top = trunk + np.array([0.0, 0.0, 0.3])
-                sign = 1.0 if axis == 0 else -1.0
-                ends = np.array([trunk, top])
-                axes.plot(sign * ends[:, axis] + shift, ends[:, 2], color=COMMAND, alpha=shade, lw=1.0)
+                lines = [(np.array([trunk, trunk + np.array([0.0, 0.0, 0.3])]), COMMAND, 1.0)]
+                for leg, chain, colour in zip(robot.legs, chains, (LEFT, RIGHT), strict=True):
+                    lines += [(trace.bodies[k, chain], colour, 1.0), (trace.soles[leg.name][k], colour, 1.6)]
+                for points, colour, width in lines:
+                    along, shade = sign * points[:, axis] + spacing[axis] * order, 0.25 + 0.75 * order / _STICKS
+                    axes.plot(along, points[:, 2], color=colour, alpha=shade, lw=width)
             axes.set_aspect("equal")
             axes.set_title(title)
             axes.set_ylabel("z, m")
@@ -120,13 +114,13 @@ def _ground(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
     sole = robot.legs[0].sole
     with figure(f"{robot.card.name}: {gait.motion.name}, ZMP and CoG over the footprints", 5.0) as made:
         axes = made.subplots()
-        seen = set()
-        for phase in gait.motion.phases:
-            other = phase.other_foot
-            for side, place in ((phase.support, phase.foothold), (other, phase.other)):
-                if place is None or (side, place) in seen:
-                    continue
-                seen.add((side, place))
+        places = {
+            stood: None
+            for phase in gait.motion.phases
+            for stood in ((phase.support, phase.foothold), (phase.other_foot, phase.other))
+        }
+        for side, place in places:
+            if place is not None:
                 corner = (place[0] - sole.heel, place[1] - sole.half_width)
                 colour = LEFT if side == "left" else RIGHT
                 box = Rectangle(corner, sole.heel + sole.toe, 2 * sole.half_width, fill=False, edgecolor=colour)
@@ -134,8 +128,7 @@ def _ground(gait: Gait, robot: Robot, trace: _Trace, path: Path) -> Path:
         axes.plot(*trace.samples.com.T[:2], color=THIRD, label="CoG")
         axes.plot(*trace.samples.zmp.T, color=COMMAND, lw=1.0, label="ZMP")
         axes.set_aspect("equal", adjustable="datalim")
-        axes.set_xlabel("x, m")
-        axes.set_ylabel("y, m")
+        axes.set(xlabel="x, m", ylabel="y, m")
         axes.legend(loc="upper right")
         return save(made, path)
 
@@ -164,12 +157,5 @@ def write_gait_figures(gait: Gait, robot: Robot, folder: Path) -> list[Path]:
     """
     trace = _sample(gait, robot)
     folder.mkdir(parents=True, exist_ok=True)
-    return [
-        draw(gait, robot, trace, folder / name)
-        for name, draw in (
-            ("sticks.png", _sticks),
-            ("joints.png", _joints),
-            ("ground.png", _ground),
-            ("reactions.png", _reactions),
-        )
-    ]
+    figures = {"sticks": _sticks, "joints": _joints, "ground": _ground, "reactions": _reactions}
+    return [draw(gait, robot, trace, folder / f"{name}.png") for name, draw in figures.items()]

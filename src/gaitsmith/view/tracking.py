@@ -1,25 +1,25 @@
-"""Desired against actual over time: speed and attitude, height, joints, feet, torques (Han 2023, Figs. 5-7 and 9)."""
+"""Desired against actual over time: speed, height, joints, feet, torques (Han 2023, Figs. 5-7, 9); time of a tick."""
 
 from __future__ import annotations
 
-import numpy as np
-from matplotlib.figure import Figure
+from collections.abc import Sequence
 
-from gaitsmith.view.canvas import (
-    COMMAND,
-    LEFT,
-    LIMIT,
-    RIGHT,
-    THIRD,
-    above,
-    figure,
-    mark_stages,
-    rms,
-    sampled,
-)
-from gaitsmith.view.recording import Recording
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
+
+from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, mark_stages, rms, sampled
+from gaitsmith.view.recording import Array, Recording
 
 _GAIT_WINDOW = 3.0  # s: a few strides
+_BINS = 80  # of the histogram of durations
+
+
+def _over_time(axes: Sequence[Axes], time: Array) -> None:
+    """The axis of time, below all panels."""
+    axes[-1].set_xlabel("time, s")
+    axes[-1].set_xlim(float(time[0]), float(time[-1]))
 
 
 def draw_speed(recording: Recording) -> Figure:
@@ -27,35 +27,34 @@ def draw_speed(recording: Recording) -> Figure:
     at = sampled(recording)
     time = recording.time[at]
     with figure(f"{recording.title}: speed and attitude", 7.5) as made:
-        forward, lateral, attitude = made.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 1.2))
-        for axis, column, colour, name in ((forward, 0, LEFT, "forward"), (lateral, 1, LEFT, "lateral")):
-            axis.plot(time, recording.speed[at, column], color=colour, label="actual", linewidth=1.0)
+        axes = forward, lateral, attitude = made.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 1.2))
+        for column, (axis, name) in enumerate(((forward, "forward"), (lateral, "lateral"))):
+            axis.plot(time, recording.speed[at, column], color=LEFT, label="actual", linewidth=1.0)
             axis.plot(time, recording.speed_command[at, column], color=COMMAND, label="commanded", linestyle="--")
             axis.set_ylabel(f"{name}\nm/s")
-        attitude.plot(time, np.degrees(recording.tilt[at, 0]), color=RIGHT, label="roll", linewidth=1.0)
-        attitude.plot(time, np.degrees(recording.tilt[at, 1]), color=THIRD, label="pitch", linewidth=1.0)
+        for column, (name, colour) in enumerate((("roll", RIGHT), ("pitch", THIRD))):
+            attitude.plot(time, np.degrees(recording.tilt[at, column]), color=colour, label=name, linewidth=1.0)
         attitude.set_ylabel("torso tilt\n°")
-        attitude.set_xlabel("time, s")
-        attitude.set_xlim(float(time[0]), float(time[-1]))
+        _over_time(axes, time)
         above(forward, 2)
         above(attitude, 2)
-        mark_stages([forward, lateral, attitude], recording)
+        mark_stages(axes, recording)
     return made
 
 
 def draw_height(recording: Recording) -> Figure:
     """Commanded and actual height of the hip midpoint above the stance sole (Fig. 7)."""
     at = sampled(recording)
-    time = recording.time[at]
+    time, wanted = recording.time[at], recording.height_command
     with figure(f"{recording.title}: hip height above the stance sole", 4.2) as made:
         axis = made.subplots()
         axis.plot(time, recording.height[at], color=LEFT, label="actual", linewidth=1.0)
-        axis.plot(time, recording.height_command[at], color=COMMAND, label="commanded", linestyle="--")
-        middle = 0.5 * (recording.height_command.min() + recording.height_command.max())
-        half = max(0.05, 0.75 * float(np.ptp(recording.height_command)))  # a few mm must not fill the plot
-        reach = float(np.max(np.abs(recording.height - middle)))
-        axis.set_ylim(middle - max(half, min(reach, 0.3)), middle + max(half, min(reach, 0.3)))
-        axis.set(xlabel="time, s", ylabel="height, m", xlim=(float(time[0]), float(time[-1])))
+        axis.plot(time, wanted[at], color=COMMAND, label="commanded", linestyle="--")
+        middle = 0.5 * (wanted.min() + wanted.max())
+        half = max(0.05, 0.75 * float(np.ptp(wanted)))  # a few mm must not fill the plot
+        half = max(half, min(float(np.max(np.abs(recording.height - middle))), 0.3))
+        axis.set(ylabel="height, m", ylim=(middle - half, middle + half))
+        _over_time([axis], time)
         above(axis, 2)
         mark_stages([axis], recording)
     return made
@@ -64,20 +63,18 @@ def draw_height(recording: Recording) -> Figure:
 def draw_joints(recording: Recording) -> Figure:
     """Desired and actual joint angles of the left leg over a few strides at the highest speed (Fig. 6)."""
     at = sampled(recording, recording.window(_GAIT_WINDOW))
-    time = recording.time[at]
-    leg = recording.legs[0]
+    time, leg = recording.time[at], recording.robot.legs[0]
     rows = len(leg.joints)
     with figure(f"{recording.title}: joints of the {leg.name} leg", 1.2 + 1.5 * rows) as made:
-        axes = np.atleast_1d(made.subplots(rows, 1, sharex=True))
-        for axis, joint in zip(axes, leg.joints, strict=True):
+        axes = list(np.atleast_1d(made.subplots(rows, 1, sharex=True)))
+        for axis, joint, name in zip(axes, leg.joint_indices, leg.joints, strict=True):
             desired, actual = recording.joint_desired[at, joint], recording.joint_position[at, joint]
             axis.plot(time, np.degrees(actual), color=LEFT, label="actual")
             axis.plot(time, np.degrees(desired), color=COMMAND, label="desired", linestyle="--", linewidth=1.2)
             axis.set_ylabel("angle, °")
-            axis.set_title(f"{recording.joint_names[joint]}   rms error {np.degrees(rms(desired - actual)):.2f}°")
+            axis.set_title(f"{name}   rms error {np.degrees(rms(desired - actual)):.2f}°")
         above(axes[0], 2)
-        axes[-1].set_xlabel("time, s")
-        axes[-1].set_xlim(float(time[0]), float(time[-1]))
+        _over_time(axes, time)
     return made
 
 
@@ -88,44 +85,58 @@ def draw_feet(recording: Recording) -> Figure:
     with figure(f"{recording.title}: soles relative to the hip midpoint, heading frame", 7.5) as made:
         axes = made.subplots(3, 1, sharex=True)
         for row, (axis, name) in enumerate(zip(axes, ("x, forward", "y, left", "z, up"), strict=True)):
-            for side, colour in enumerate((LEFT, RIGHT)):
-                column = 3 * side + row
-                label = recording.legs[side].name
-                axis.plot(time, recording.foot_actual[at, column], color=colour, label=f"{label}, actual")
-                axis.plot(
-                    time,
-                    recording.foot_desired[at, column],
-                    color=COMMAND,
-                    label="desired" if side else None,
-                    linestyle="--",
-                    linewidth=1.2,
-                )
+            for leg, colour, wanted, column in zip(
+                recording.robot.legs, (LEFT, RIGHT), (None, "desired"), (row, 3 + row), strict=True
+            ):
+                axis.plot(time, recording.foot_actual[at, column], color=colour, label=f"{leg.name}, actual")
+                desired = recording.foot_desired[at, column]
+                axis.plot(time, desired, color=COMMAND, label=wanted, linestyle="--", linewidth=1.2)
             axis.set_ylabel(f"{name}\nm")
         above(axes[0], 3)
-        axes[-1].set_xlabel("time, s")
-        axes[-1].set_xlim(float(time[0]), float(time[-1]))
+        _over_time(axes, time)
     return made
 
 
 def draw_torques(recording: Recording) -> Figure:
     """Torques of both legs' joints, left and right in one panel, with their limits."""
     at = sampled(recording)
-    time = recording.time[at]
-    left, right = recording.legs
+    time, robot = recording.time[at], recording.robot
+    left, right = robot.legs
     rows = len(left.joints)
     with figure(f"{recording.title}: joint torques and their limits", 1.2 + 1.6 * rows) as made:
-        axes = np.atleast_1d(made.subplots(rows, 1, sharex=True))
-        for axis, a, b in zip(axes, left.joints, right.joints, strict=True):
+        axes = list(np.atleast_1d(made.subplots(rows, 1, sharex=True)))
+        for axis, a, b in zip(axes, left.joint_indices, right.joint_indices, strict=True):
             axis.plot(time, recording.torque[at, a], color=LEFT, label="left", linewidth=0.7)
             axis.plot(time, recording.torque[at, b], color=RIGHT, label="right", linewidth=0.7, alpha=0.8)
-            limit = max(float(recording.torque_limit[a]), float(recording.torque_limit[b]))
+            limit = float(max(robot.torque_limit[a], robot.torque_limit[b]))
             for bound in (-limit, limit):
                 axis.axhline(bound, color=LIMIT, linestyle=":", label="limit" if bound > 0 else None)
             axis.set_ylim(-1.12 * limit, 1.12 * limit)
             axis.set_ylabel("N·m")
-            names = f"{recording.joint_names[a]}, {recording.joint_names[b]}"
+            names = f"{robot.joint_names[a]}, {robot.joint_names[b]}"
             axis.set_title(f"{names}   limit {limit:.0f} N·m", fontsize=11.0)
         above(axes[0], 3)
-        axes[-1].set_xlabel("time, s")
-        axes[-1].set_xlim(float(time[0]), float(time[-1]))
+        _over_time(axes, time)
+    return made
+
+
+def draw_timing(recording: Recording) -> Figure:
+    """Histogram of the tick's duration, both axes logarithmic, with median and 99th percentile."""
+    ticks, counts = recording.tick_us, recording.tick_counts
+    below = np.cumsum(counts)
+    with figure(f"{recording.title}: duration of a control tick", 4.2) as made:
+        axis = made.subplots()
+        median, late = (ticks[np.searchsorted(below, share * below[-1])] for share in (0.5, 0.99))
+        edges = np.geomspace(0.9 * ticks.min(), 1.1 * ticks.max(), _BINS)
+        axis.hist(ticks, bins=edges.tolist(), weights=counts, color=LEFT, alpha=0.85)
+        axis.axvline(median, color=RIGHT, label=f"median {median:.1f} µs")
+        axis.axvline(late, color=RIGHT, linestyle="--", label=f"99 % within {late:.1f} µs")
+        axis.axvline(ticks.max(), color=LIMIT, linestyle=":", label=f"longest {ticks.max():.0f} µs")
+        axis.set(xlabel="duration, µs", ylabel="ticks", xscale="log", yscale="log")
+        axis.xaxis.set_major_formatter("{x:g}")  # the formatters of logarithmic axes write markup
+        axis.yaxis.set_major_formatter("{x:g}")
+        axis.yaxis.set_minor_formatter("")
+        axis.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # more labels would touch each other
+        axis.xaxis.set_minor_formatter("{x:g}")
+        above(axis, 3)
     return made
