@@ -246,9 +246,11 @@ class Simulation:
 
     def _close(self) -> None:
         if self._recorder is not None and self._file is not None:
-            self._recorder.close()
-            if not isinstance(self._file, Scratch):
-                self._file.close()
+            try:
+                self._recorder.close()
+            finally:
+                if not isinstance(self._file, Scratch):
+                    self._file.close()
 
     @contextlib.contextmanager
     def _timed(self) -> Iterator[None]:
