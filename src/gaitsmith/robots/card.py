@@ -13,31 +13,15 @@ from gaitsmith.robots.parameters import (
     Finite,
     GaitLimits,
     GaitParameters,
-    NonNegative,
     Parameters,
     Positive,
     check_gait,
 )
 from gaitsmith.robots.presets import CardPreset
+from gaitsmith.robots.sole import Sole
 
 PresetName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 Triple = tuple[Finite, Finite, Finite]
-
-
-class Sole(Parameters):
-    """Shape of a sole about the sole frame (on the sole below the ankle, x forward, z up); m, all positive.
-
-    Attributes:
-        kind: a line from `-heel` to `toe` along x, or a rectangle that adds `±half_width` along y.
-        heel: distance from the frame back to the heel.
-        toe: distance from the frame forward to the toe.
-        half_width: half the width; 0 for a line.
-    """
-
-    kind: Literal["line", "rectangle"]
-    heel: Positive
-    toe: Positive
-    half_width: NonNegative = 0.0
 
 
 class LegCard(Parameters):

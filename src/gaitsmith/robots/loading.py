@@ -83,6 +83,8 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
     torso = model.body(card.torso).id
     legs = {leg.name: _leg(model, data, card, leg, names, torso, label) for leg in card.legs}
     left, right = legs["left"], legs["right"]
+    if any(leg.sole is not legs[leg.name].sole for leg in card.legs):
+        notes += ("a sole is walked on as a line along x: the ankle does not roll",)
     if not left.hip_anchor[1] > right.hip_anchor[1]:
         raise BadInput(f"{label}: legs", "left hip right of the right hip", "the left hip at the larger y")
     limits = [card.limits[name] for name in names]
@@ -185,10 +187,10 @@ def _leg(
     if not card.gait_limits.height[1] < reach:
         valid = f"less than {reach:.4g}, hip to sole with straight legs"
         raise BadInput(f"{label}: gait_limits.height[1]", card.gait_limits.height[1], valid)
+    axes = np.abs([rotation.T @ data.xaxis[model.joint(name).id] for name in leg.joints])
+    rolls = bool((axes[knee + 1 :, 0] > UPRIGHT).any())
     turns = card.gait_limits.yaw_rate
-    if any(turns) and not any(
-        abs(rotation.T @ data.xaxis[model.joint(name).id])[2] > UPRIGHT for name in leg.joints[:knee]
-    ):
+    if any(turns) and not (axes[:knee, 2] > UPRIGHT).any():
         valid = "[0, 0]: no joint of this leg above the knee turns about the vertical"
         raise BadInput(f"{label}: gait_limits.yaw_rate", list(turns), valid)
     return Leg(
@@ -203,7 +205,7 @@ def _leg(
         sole_body=body,
         sole_position=_fixed(model.site_pos[site.id]),
         sole_rotation=_rotation(model.site_quat[site.id]),
-        sole=leg.sole,
+        sole=leg.sole if rolls else leg.sole.as_line(),
         hip_anchor=_fixed(anchors[0]),
     )
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitsmith.robots.assembly import ModelText, assemble
-from gaitsmith.robots.card import RobotCard, Sole
+from gaitsmith.robots.card import RobotCard
+from gaitsmith.robots.sole import Sole
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -33,7 +34,7 @@ class Leg:
         sole_body: body that carries the sole frame.
         sole_position: (3,), sole frame's origin in that body's frame, m.
         sole_rotation: (3, 3), sole frame to that body's frame.
-        sole: shape of the sole.
+        sole: shape of the sole; a line if the ankle has no roll.
         hip_anchor: (3,), first joint's anchor in the torso frame at zero joint angles, m.
     """
 
@@ -118,7 +119,7 @@ def describe(robot: Robot) -> dict[str, Any]:
                 "name": leg.name,
                 "joints": list(leg.joints),
                 "sole_frame": leg.sole_site,
-                "sole": leg.sole.model_dump(),
+                "sole": leg.sole.model_dump(exclude=None if leg.sole.points else {"points"}),
             }
             for leg in robot.legs
         ],

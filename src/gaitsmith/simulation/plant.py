@@ -202,9 +202,7 @@ class Plant:
             rotation = self._data.xmat[leg.sole_body].reshape(3, 3)
             place = self._data.xpos[leg.sole_body] + rotation @ np.asarray(leg.sole_position)
             up = (rotation @ np.asarray(leg.sole_rotation))[2]
-            for x in (-leg.sole.heel, leg.sole.toe):
-                for y in (-leg.sole.half_width, leg.sole.half_width):
-                    lowest = min(lowest, place[2] + up[0] * x + up[1] * y)
+            lowest = min(lowest, place[2] + (leg.sole.corners @ up[:2]).min())
         return float(lowest)
 
     def step(self, torque: npt.NDArray[np.float64]) -> None:
