@@ -2,7 +2,7 @@
 
 Unboxing an array argument costs a heap allocation in numba's runtime, and a controller has a hundred of them.
 An :class:`Arena` keeps named tuples of arrays alive and writes their addresses and shapes into a table; inside a
-kernel :func:`bind` rebuilds a named tuple from that table as plain structs without reference counts.
+kernel :func:`bind` is such a tuple as an address into that table: a field is loaded where it is named.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def _size(cls: type) -> int:
 
 
 class View(types.Type):
-    """Inside a kernel: a named tuple that holds other named tuples, as the address of its first row."""
+    """Inside a kernel: a bound named tuple, as the address of its first row."""
 
     def __init__(self, cls: type) -> None:
         self.cls = cls
@@ -77,18 +77,6 @@ class _ViewModel(models.PrimitiveModel):
 
     def __init__(self, manager: Any, view: View) -> None:
         super().__init__(manager, view, ir.IntType(64))
-
-
-def _is_leaf_group(cls: type) -> bool:
-    """Whether a named tuple holds arrays and scalars only."""
-    return all(isinstance(field, _Field) for field in _layout(cls).values())
-
-
-def _bound_type(cls: type) -> Any:
-    """Type of a named tuple inside a kernel."""
-    if not _is_leaf_group(cls):
-        return View(cls)
-    return types.NamedTuple([_field_type(field) for field in _layout(cls).values()], cls)
 
 
 def _field_type(field: _Field) -> Any:
@@ -108,7 +96,7 @@ class _ViewAttribute(AttributeTemplate):
         field = _layout(view.cls).get(name)
         if field is None:
             return None
-        return _field_type(field) if isinstance(field, _Field) else _bound_type(field)
+        return _field_type(field) if isinstance(field, _Field) else View(field)
 
 
 @lower_getattr_generic(View)
@@ -118,34 +106,27 @@ def _lower_field(context: Any, builder: Any, view: View, address: Any, name: str
     for other, field in _layout(view.cls).items():
         if other == name:
             start = builder.add(address, ir.IntType(64)(8 * _WORDS * at))
-            return _loaded(context, builder, field, start)
+            return _loaded(context, builder, field, start) if isinstance(field, _Field) else start
         at += 1 if isinstance(field, _Field) else _size(field)
     raise AttributeError(name)
 
 
-def _loaded(context: Any, builder: Any, field: Any, address: Any) -> Any:
-    """An array, scalar or named tuple whose rows begin at an address."""
-    if isinstance(field, _Field):
-        return _loaded_field(context, builder, field, address)
-    if not _is_leaf_group(field):
-        return address
-    starts = [builder.add(address, ir.IntType(64)(8 * _WORDS * k)) for k in range(_size(field))]
-    values = [
-        _loaded_field(context, builder, part, start)
-        for part, start in zip(_layout(field).values(), starts, strict=True)
-    ]
-    return context.make_tuple(builder, _bound_type(field), values)
+def _constant(builder: Any, pointer: Any) -> Any:
+    """Load what does not change while a kernel runs, so that loops need not load it again."""
+    loaded = builder.load(pointer)
+    loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return loaded
 
 
-def _loaded_field(context: Any, builder: Any, field: _Field, address: Any) -> Any:
-    """An array or scalar whose row is at an address."""
+def _loaded(context: Any, builder: Any, field: _Field, address: Any) -> Any:
+    """An array or scalar whose row is at an address; nothing writes there while a kernel runs."""
     word, member = ir.IntType(64), _field_type(field)
     row = builder.inttoptr(address, word.as_pointer())
-    words = [builder.load(builder.gep(row, [word(k)])) for k in range(1 + field.axes)]
+    words = [_constant(builder, builder.gep(row, [word(k)])) for k in range(1 + field.axes)]
     scalar = member if field.axes == 0 else member.dtype
     data = builder.inttoptr(words[0], context.get_data_type(scalar).as_pointer())
     if field.axes == 0:
-        return builder.load(data)
+        return _constant(builder, data)
     array = arrayobj.make_array(member)(context, builder)
     strides = [word(8)]
     for extent in reversed(words[2:]):
@@ -171,9 +152,9 @@ def bind(typingctx: Any, cls: Any, table: Any) -> Any:
     python_class = cls.instance_class
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return _loaded(context, builder, python_class, args[1])
+        return args[1]
 
-    return _bound_type(python_class)(cls, types.int64), codegen
+    return View(python_class)(cls, types.int64), codegen
 
 
 class Arena(Generic[_Bound]):
