@@ -76,13 +76,14 @@ def test_paths_stay_below_the_card(tmp_path: Path) -> None:
     os.mkfifo(inner / "pipe.xml")
     folder = CardFolder(inner.resolve(), "card.toml")
     assert folder.read("good.xml", "x") == folder.read("./within.xml", "x") == b"<mujoco/>"
+    assert folder.read("meshes/../good.xml", "x") == b"<mujoco/>"
     assert list(folder.contents) == ["good.xml"]
     bad = [
         "../secret.xml",
         str(tmp_path / "secret.xml"),
         "out.xml",
         "folder/secret.xml",
-        "meshes/../good.xml",
+        "meshes/../../secret.xml",
         "meshes",
     ]
     bad += ["loop.xml", "pipe.xml", "", ".", "none.xml", "nul\0", "C:\\x.xml", "a\nb", "x" * 5000]
@@ -118,9 +119,9 @@ def test_includes_do_not_multiply(tmp_path: Path) -> None:
     (tmp_path / "b.xml").write_text("<mujoco/>")
     with pytest.raises(BadInput, match="included once"):
         build_model('<mujoco><include file="a.xml"/></mujoco>', tmp_path)
-    for i in range(20):
+    for i in range(60):
         (tmp_path / f"i{i}.xml").write_text(f'<mujoco><include file="i{i + 1}.xml"/></mujoco>')
-    with pytest.raises(BadInput, match="deep"):
+    with pytest.raises(BadInput, match="at most"):
         build_model('<mujoco><include file="i0.xml"/></mujoco>', tmp_path)
 
 

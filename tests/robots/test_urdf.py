@@ -51,7 +51,7 @@ def as_urdf(robot: Robot, tilt: float = 0.0) -> Element:
         SubElement(joint, "child", {"link": model.body(body).name})
         SubElement(joint, "axis", {"xyz": numbers(model.jnt_axis[index])})
         low, high = model.jnt_range[index]
-        limit = {"lower": repr(float(low)), "upper": repr(float(high)), "effort": "1", "velocity": "1"}
+        limit = {"lower": repr(float(low)), "upper": repr(float(high)), "effort": "200", "velocity": "12"}
         SubElement(joint, "limit", limit)
     for leg in robot.legs:
         SubElement(root, "link", {"name": leg.sole_site})
@@ -199,7 +199,7 @@ def edited(root: Element, case: str) -> None:
 
 # What is wrong must be named: another check further on may refuse the file too, in words that help nobody.
 CASES = {
-    "mimic": "independent joints",
+    "mimic": "move independently",
     "planar": "planar",
     "floating": "floating",
     "magic": "magic",

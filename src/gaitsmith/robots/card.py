@@ -16,6 +16,7 @@ from gaitsmith.robots.parameters import (
     Parameters,
     Positive,
     check_gait,
+    partial,
 )
 from gaitsmith.robots.presets import CardPreset
 from gaitsmith.robots.sole import Sole
@@ -57,6 +58,11 @@ class JointLimits(Parameters):
     torque: Positive
 
 
+CardLimits: Any = partial(JointLimits)
+CardGait: Any = partial(GaitParameters)
+CardGaitLimits: Any = partial(GaitLimits)
+
+
 class Assumption(Parameters):
     """A number that the source does not give: what it is, its value, and why this value."""
 
@@ -65,19 +71,19 @@ class Assumption(Parameters):
     why: str
 
 
-class RobotCard(Parameters):
-    """A robot's card; frozen, and consistent in itself once it is built.
+class Described(Parameters):
+    """What every card says, whether or not the loader has filled in the rest.
 
     Attributes:
         schema_version: 1.
         model: MJCF or URDF file, relative to the card's folder.
         torso: body that carries the free joint.
-        mass: total mass, kg; checked against the model.
         legs: left and right, in any order.
         imu_site: site on the torso; the torso frame if absent.
-        limits: of every joint of the model besides the free one.
-        gait: default inputs of the gait template.
-        gait_limits: valid ranges of these inputs.
+        trust: `card` accepts limits that are wider than the model's.
+        weld: joints outside the legs that are fixed at home.
+        ignore: bodies that are left out, with all that hangs on them.
+        home: angles of joints outside the legs.
         presets: by name, the control parameters that differ from those that the robot's size and mass suggest.
 
     Raises:
@@ -90,17 +96,17 @@ class RobotCard(Parameters):
     model: Annotated[str, Field(min_length=1, max_length=500)]
     torso: Name
     torso_frame: TorsoFrame | None = None
-    mass: Positive
     legs: tuple[LegCard, LegCard]
     imu_site: Name | None = None
-    limits: Annotated[dict[Name, JointLimits], Field(max_length=200)]
-    gait: GaitParameters
-    gait_limits: GaitLimits
+    trust: Literal["card"] | None = None
+    weld: Annotated[tuple[Name, ...], Field(max_length=200)] = ()
+    ignore: Annotated[tuple[Name, ...], Field(max_length=200)] = ()
+    home: Annotated[dict[Name, Finite], Field(max_length=200)] = Field(default_factory=dict)
     presets: Annotated[dict[PresetName, CardPreset], Field(max_length=50)] = Field(default_factory=dict)
     assumptions: tuple[Assumption, ...] = ()
 
     @model_validator(mode="after")
-    def _consistent(self) -> RobotCard:
+    def _consistent(self) -> Described:
         names = [leg.name for leg in self.legs]
         if sorted(names) != ["left", "right"]:
             raise BadInput("legs", names, "one leg named left and one named right")
@@ -111,11 +117,58 @@ class RobotCard(Parameters):
             raise BadInput("legs[1].joints", shared, "joints that the other leg does not have")
         if len(first.joints) != len(second.joints):
             raise BadInput("legs[1].joints", list(second.joints), f"{len(first.joints)} joints, as in legs[0]")
-        for joint, limits in self.limits.items():
-            _check_range(limits.position, f"limits.{joint}.position")
-        _check_gait(self.gait, self.gait_limits)
+        for entry, given in (("home", self.home), ("weld", self.weld)):
+            if inside := [name for name in given if name in (*first.joints, *second.joints)]:
+                raise BadInput(entry, inside, "joints outside the legs")
         for preset, parameters in self.presets.items():
             _check_preset(parameters.model_dump(exclude_none=True), len(first.joints), f"presets.{preset}")
+        return self
+
+
+class CardText(Described):
+    """A card as its author writes it: what it does not say, the loader fills in from the model.
+
+    Attributes:
+        mass: total mass, kg; checked against the model.
+        limits: of joints, as far as they differ from the model's.
+        gait: default inputs of the gait template.
+        gait_limits: valid ranges of these inputs.
+    """
+
+    mass: Positive | None = None
+    limits: Annotated[dict[Name, CardLimits], Field(max_length=200)] = Field(default_factory=dict)
+    gait: CardGait = CardGait()
+    gait_limits: CardGaitLimits = CardGaitLimits()
+
+    @model_validator(mode="after")
+    def _ordered(self) -> CardText:
+        for joint, limits in self.limits.items():
+            if limits.position is not None and not limits.position[0] < limits.position[1]:
+                raise BadInput(f"limits.{joint}.position", list(limits.position), "lowest < highest")
+        for name, pair in self.gait_limits:
+            if pair is not None and not pair[0] <= pair[1]:
+                raise BadInput(f"gait_limits.{name}", list(pair), "lowest <= highest")
+        return self
+
+
+class RobotCard(Described):
+    """A robot's card, complete: every entry is the card's own, the model's, or assumed for a robot of this size.
+
+    Attributes:
+        mass: total mass, kg.
+        limits: of every joint besides the free one.
+        gait: default inputs of the gait template.
+        gait_limits: valid ranges of these inputs.
+    """
+
+    mass: Positive
+    limits: dict[Name, JointLimits]
+    gait: GaitParameters
+    gait_limits: GaitLimits
+
+    @model_validator(mode="after")
+    def _walkable(self) -> RobotCard:
+        check_gait(self.gait.model_dump(), self.gait_limits, "gait.")
         return self
 
 
@@ -143,18 +196,6 @@ def _check_leg(leg: LegCard, field: str) -> None:
     if placed and (leg.sole_body is None or leg.sole_position is None):
         missing = "sole_body" if leg.sole_body is None else "sole_position"
         raise BadInput(f"{field}.{missing}", None, "sole_body and sole_position together")
-
-
-def _check_range(pair: tuple[float, float], field: str) -> None:
-    if not pair[0] < pair[1]:
-        raise BadInput(field, list(pair), "lowest < highest")
-
-
-def _check_gait(gait: GaitParameters, limits: GaitLimits) -> None:
-    for name, (low, high) in limits:
-        if not low <= high:
-            raise BadInput(f"gait_limits.{name}", [low, high], "lowest <= highest")
-    check_gait(gait.model_dump(), limits, "gait.")
 
 
 def _check_preset(given: dict[str, Any], joint_count: int, field: str) -> None:

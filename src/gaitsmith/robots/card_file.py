@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from gaitsmith.documents import checked, read_toml
-from gaitsmith.robots.card import RobotCard
+from gaitsmith.robots.card import CardText
 
 CARD_NAME = "card.toml"
 
 
-def read_card(path: Path) -> tuple[RobotCard, bytes]:
+def read_card(path: Path) -> tuple[CardText, bytes]:
     """The card in a TOML file, and the file's bytes.
 
     Raises:
@@ -21,7 +21,7 @@ def read_card(path: Path) -> tuple[RobotCard, bytes]:
     return parse_card(data, path.name), content
 
 
-def parse_card(data: dict[str, Any], source: str = CARD_NAME) -> RobotCard:
+def parse_card(data: dict[str, Any], source: str = CARD_NAME) -> CardText:
     """A validated card from plain data as TOML gives it; presets need only say what differs from `default`.
 
     Args:
@@ -36,7 +36,7 @@ def parse_card(data: dict[str, Any], source: str = CARD_NAME) -> RobotCard:
         default = presets.get("default", {})
         merged = {name: _over(default, preset) for name, preset in {"default": default, **presets}.items()}
         data = data | {"presets": merged}
-    return checked(RobotCard, data, source)
+    return checked(CardText, data, source)
 
 
 def _over(base: Any, top: Any) -> Any:

@@ -11,17 +11,18 @@ import numpy.typing as npt
 
 from gaitsmith.documents import check_name
 from gaitsmith.errors import BadInput
-from gaitsmith.robots.assembly import ModelText, assemble, compiled, sole_frame
-from gaitsmith.robots.card import LegCard, RobotCard
+from gaitsmith.robots.assembly import assemble, set_limits, sole_frame
+from gaitsmith.robots.assumptions import completed, measured
+from gaitsmith.robots.card import CardText, Described, LegCard
 from gaitsmith.robots.card_file import CARD_NAME, read_card
-from gaitsmith.robots.mjcf import mjcf_text
+from gaitsmith.robots.model_file import URDF_TOLERANCE, ModelFile, strip
+from gaitsmith.robots.model_text import read_model
 from gaitsmith.robots.robot import Array, Indices, Leg, Robot
-from gaitsmith.robots.safety import CardFolder, parse_xml
-from gaitsmith.robots.urdf import urdf_text
+from gaitsmith.robots.safety import CardFolder
+from gaitsmith.robots.shapes import compiled
 
 SHIPPED = Path(__file__).parent
 MASS_TOLERANCE = 1e-3  # relative; a card states its mass to a few digits
-URDF_TOLERANCE = 1e-9  # relative; the same numbers summed in another order
 NUMBERS = (
     *("body_mass", "body_subtreemass", "body_inertia", "body_pos", "body_quat", "body_ipos", "body_iquat"),
     *("jnt_pos", "jnt_axis", "jnt_range", "dof_armature", "dof_damping", "dof_frictionloss", "dof_invweight0"),
@@ -49,7 +50,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
     return build_robot(card, content, CardFolder(path.parent.resolve(), path.name))
 
 
-def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
+def build_robot(card: CardText, content: bytes, folder: CardFolder) -> Robot:
     """A robot from a card that was read already.
 
     Args:
@@ -61,20 +62,14 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
         BadInput: as :func:`load_robot`.
     """
     label, entry = folder.label, Path(card.model).name
-    root = parse_xml(folder.read(card.model, f"{label}: model"), entry)
-    if root.tag == "mujoco":
-        text, meshes, left_out = mjcf_text(root, folder, entry)
-        source = ModelText(text, meshes, entry, None, left_out)
-    elif root.tag == "robot":
-        text, meshes, mass = urdf_text(root, folder, entry)
-        source = ModelText(text, meshes, entry, mass)
-    else:
-        raise BadInput(f"{entry}: root element", root.tag, "mujoco (MJCF) or robot (URDF)")
-    spec, notes = assemble(source, card, label)
+    joints = [name for leg in card.legs for name in leg.joints]
+    found = strip(read_model(folder, card.model), label, card.torso, card.weld, card.ignore, card.home, joints)
+    notes = list(found.notes)
+    spec = assemble(found, card, label, notes)
     model, heard = compiled(spec, entry)
     _check_names(model, entry)
     _check_numbers(model, entry)
-    _check_mass(model, card, source, label)
+    _check_mass(model, card, found, label)
     names = tuple(model.joint(joint).name for joint in range(1, model.njnt))
     if model.actuator_trnid[:, 0].tolist() != list(range(1, model.njnt)):
         raise BadInput(f"{entry}: joints", list(names), "joints in the order of their bodies")
@@ -84,18 +79,24 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
     legs = {leg.name: _leg(model, data, card, leg, names, torso, label) for leg in card.legs}
     left, right = legs["left"], legs["right"]
     if any(leg.sole is not legs[leg.name].sole for leg in card.legs):
-        notes += ("a sole is walked on as a line along x: the ankle does not roll",)
+        notes.append("a sole is walked on as a line along x: the ankle does not roll")
     if not left.hip_anchor[1] > right.hip_anchor[1]:
         raise BadInput(f"{label}: legs", "left hip right of the right hip", "the left hip at the larger y")
-    limits = [card.limits[name] for name in names]
+    complete = completed(card, found, measured(model, data, card, (left, right)), names, label, notes)
+    set_limits(spec, model, complete)
+    limits = [complete.limits[name] for name in names]
     imu_position, imu_rotation = _imu(model, card)
+    inside = {name for leg in card.legs for name in leg.joints}
+    bounds = [
+        (0.0 if name in inside else found.home[name], limit.position) for name, limit in zip(names, limits, strict=True)
+    ]
     return Robot(
-        card=card,
+        card=complete,
         model_path=folder.folder / card.model,
         content_hash=folder.digest(content),
         mass=float(model.body_mass.sum()),
         model=model,
-        notes=notes + heard,
+        notes=(*notes, *heard),
         joint_names=names,
         joint_dofs=_indices(model.jnt_dofadr[1:]),
         actuators=_indices(np.arange(len(names))),
@@ -108,7 +109,9 @@ def build_robot(card: RobotCard, content: bytes, folder: CardFolder) -> Robot:
         imu_position=imu_position,
         imu_rotation=imu_rotation,
         legs=(left, right),
-        source=source,
+        home=_fixed([min(max(angle, low), high) for angle, (low, high) in bounds]),
+        spec=spec,
+        scene=found.scene,
     )
 
 
@@ -145,19 +148,19 @@ def _check_numbers(model: mujoco.MjModel, entry: str) -> None:
         raise BadInput(f"{entry}: masses", model.body_mass.tolist(), "masses of 0 or more kg, the sum above 0")
 
 
-def _check_mass(model: mujoco.MjModel, card: RobotCard, source: ModelText, label: str) -> None:
+def _check_mass(model: mujoco.MjModel, card: CardText, found: ModelFile, label: str) -> None:
     mass = float(model.body_mass.sum())
-    if source.urdf_mass is not None and abs(mass - source.urdf_mass) > URDF_TOLERANCE * source.urdf_mass:
-        valid = f"{source.urdf_mass:.9g} kg, the sum of its links"
-        raise BadInput(f"{source.entry}: mass after import", mass, valid, "every moving link needs mass and inertia")
-    if abs(mass - card.mass) > MASS_TOLERANCE * mass:
+    if found.mass is not None and abs(mass - found.mass) > URDF_TOLERANCE * found.mass:
+        valid = f"{found.mass:.9g} kg, the sum of its links"
+        raise BadInput(f"{found.entry}: mass after import", mass, valid, "every moving link needs mass and inertia")
+    if card.mass is not None and abs(mass - card.mass) > MASS_TOLERANCE * mass:
         raise BadInput(f"{label}: mass", card.mass, f"{mass:.6g} kg, as the model has, within 0.1 %")
 
 
 def _leg(
     model: mujoco.MjModel,
     data: mujoco.MjData,
-    card: RobotCard,
+    card: Described,
     leg: LegCard,
     names: tuple[str, ...],
     torso: int,
@@ -179,20 +182,11 @@ def _leg(
             raise BadInput(f"{field}.joints[{place}]", leg.joints[place], valid)
     sole_axes = rotation.T @ data.site_xmat[site.id].reshape(3, 3)
     if min(sole_axes[0, 0], sole_axes[2, 2]) < UPRIGHT:
-        raise BadInput(f"{field}.sole_site", site.name, "a frame with x forward and z up at zero joint angles")
-    sole = rotation.T @ (data.site_xpos[site.id] - data.xpos[torso])
-    knee, ankle = leg.joints.index(leg.knee), leg.joints.index(leg.ankle_pitch)
-    bones = np.linalg.norm(anchors[knee] - anchors[knee - 1]) + np.linalg.norm(anchors[ankle] - anchors[knee])
-    reach = float(anchors[0][2] - anchors[knee - 1][2] + bones + anchors[ankle][2] - sole[2])
-    if not card.gait_limits.height[1] < reach:
-        valid = f"less than {reach:.4g}, hip to sole with straight legs"
-        raise BadInput(f"{label}: gait_limits.height[1]", card.gait_limits.height[1], valid)
-    axes = np.abs([rotation.T @ data.xaxis[model.joint(name).id] for name in leg.joints])
-    rolls = bool((axes[knee + 1 :, 0] > UPRIGHT).any())
-    turns = card.gait_limits.yaw_rate
-    if any(turns) and not (axes[:knee, 2] > UPRIGHT).any():
-        valid = "[0, 0]: no joint of this leg above the knee turns about the vertical"
-        raise BadInput(f"{label}: gait_limits.yaw_rate", list(turns), valid)
+        wrong = "sole_site" if leg.sole_site else "sole_rpy"
+        valid = "a frame with x forward and z up at zero joint angles"
+        raise BadInput(f"{field}.{wrong}", leg.sole_site or list(leg.sole_rpy), valid)
+    below = leg.joints[leg.joints.index(leg.knee) + 1 :]
+    rolls = any(abs(rotation.T @ data.xaxis[model.joint(name).id])[0] > UPRIGHT for name in below)
     return Leg(
         name=leg.name,
         side=1 if leg.name == "left" else -1,
@@ -210,7 +204,7 @@ def _leg(
     )
 
 
-def _imu(model: mujoco.MjModel, card: RobotCard) -> tuple[Array, Array]:
+def _imu(model: mujoco.MjModel, card: Described) -> tuple[Array, Array]:
     if card.imu_site is None:
         return _fixed(np.zeros(3)), _fixed(np.eye(3))
     site = model.site(card.imu_site).id

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from numbers import Real
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 from pydantic import Field, create_model
 
@@ -20,6 +20,19 @@ Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 
 class Parameters(Frozen):
     """Base of the groups of a card and of settings."""
+
+
+def partial(model: type[Parameters]) -> Any:
+    """The same model with every entry optional, so that a card may be silent."""
+    fields: dict[str, Any] = {}
+    for name, field in model.model_fields.items():
+        kind: Any = field.annotation
+        if isinstance(kind, type) and issubclass(kind, Parameters):
+            kind = partial(kind)
+        elif field.metadata:
+            kind = Annotated[kind, *field.metadata]
+        fields[name] = (Optional[kind], None)  # noqa: UP045 - built at run time
+    return create_model(f"Card{model.__name__}", __base__=Parameters, __doc__=model.__doc__, **fields)
 
 
 @dataclass(frozen=True)

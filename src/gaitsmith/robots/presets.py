@@ -7,11 +7,11 @@ gravity (:mod:`gaitsmith.control.defaults`).
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Optional
+from typing import Annotated, Any
 
-from pydantic import Field, create_model
+from pydantic import Field
 
-from gaitsmith.robots.parameters import Fraction, NonNegative, Parameters, Positive
+from gaitsmith.robots.parameters import Fraction, NonNegative, Parameters, Positive, partial
 
 Pair = tuple[NonNegative, NonNegative]
 
@@ -268,18 +268,5 @@ class ControlParameters(Parameters):
     estimator: EstimatorParameters
 
 
-def _partial(model: type[Parameters]) -> Any:
-    """The same model with every entry optional, so that a card may be silent."""
-    fields: dict[str, Any] = {}
-    for name, field in model.model_fields.items():
-        kind: Any = field.annotation
-        if isinstance(kind, type) and issubclass(kind, Parameters):
-            kind = _partial(kind)
-        elif field.metadata:
-            kind = Annotated[kind, *field.metadata]
-        fields[name] = (Optional[kind], None)  # noqa: UP045 - built at run time
-    return create_model(f"Card{model.__name__}", __base__=Parameters, __doc__=model.__doc__, **fields)
-
-
-CardPreset: Any = _partial(ControlParameters)
+CardPreset: Any = partial(ControlParameters)
 """What a card says of a preset: any entries of :class:`ControlParameters`."""

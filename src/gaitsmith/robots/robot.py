@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitsmith.robots.assembly import ModelText, assemble
+from gaitsmith.robots.assembly import with_scene
 from gaitsmith.robots.card import RobotCard
 from gaitsmith.robots.sole import Sole
 
@@ -58,7 +58,7 @@ class Robot:
     """A robot as loaded from its card and model; arrays are read-only, per joint in the order of `v[6:]`.
 
     Attributes:
-        card: the validated card.
+        card: the card, completed by what the model says and by what is assumed for a robot of its size.
         model_path: absolute path of the model file.
         content_hash: SHA-256 of card, model, included files and meshes, as hexadecimal digits.
         mass: total mass, kg.
@@ -76,6 +76,9 @@ class Robot:
         imu_position: (3,), in the torso frame, m.
         imu_rotation: (3, 3), IMU frame to torso frame.
         legs: left, right.
+        home: (n,), angles that the joints outside the legs hold; the leg's are 0 or the limit next to it.
+        spec: what `model` was compiled from; :meth:`make_spec` copies it.
+        scene: other bodies of the model file; None without any.
     """
 
     card: RobotCard
@@ -96,11 +99,16 @@ class Robot:
     imu_position: Array
     imu_rotation: Array
     legs: tuple[Leg, Leg]
-    source: ModelText
+    home: Array
+    spec: mujoco.MjSpec
+    scene: mujoco.MjSpec | None
 
     def make_spec(self) -> mujoco.MjSpec:
-        """A fresh specification of the robot, to which a plant adds terrain; compiled, it has `model`'s indices."""
-        return assemble(self.source, self.card, "card")[0]
+        """A fresh specification of the robot, to which a plant adds terrain; compiled, it has `model`'s indices.
+
+        What else lies in the model's scene comes after the robot.
+        """
+        return with_scene(self.spec, self.scene)
 
 
 def describe(robot: Robot) -> dict[str, Any]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -56,17 +58,58 @@ class CardFolder:
         return self.contents[key]
 
     def _resolve(self, relative: str, entry: str) -> tuple[str, Path]:
-        pure = PurePosixPath(relative)
-        valid = "a relative path below the card's folder, without '..'"
-        if not relative or pure.is_absolute() or ".." in pure.parts or set(relative) & set('\\:\x00\n"'):
+        valid = "a relative path that stays below the card's folder"
+        if not relative or relative.startswith("/") or set(relative) & set('\\:\x00\n"'):
+            raise BadInput(entry, relative, valid)
+        lexical = os.path.normpath(relative)
+        if lexical.split("/")[0] == "..":
             raise BadInput(entry, relative, valid)
         try:
-            path = (self.folder / pure).resolve()
+            path = (self.folder / lexical).resolve()
         except (OSError, RuntimeError, ValueError) as error:
             raise BadInput(entry, relative, valid, str(error)) from None
         if not path.is_relative_to(self.folder):
             raise BadInput(entry, relative, valid, "a link leads outside")
         return path.relative_to(self.folder).as_posix(), path
+
+    def find(self, name: str, bases: Iterable[str], entry: str) -> str:
+        """Path, relative to the folder, of a file that a model names: the first candidate that is there.
+
+        Args:
+            name: a path, or `package://...`, whose longest tail below a folder above the naming file is taken.
+            bases: folders from which a plain path may count, the naming file's first.
+            entry: what errors begin with.
+
+        Raises:
+            BadInput: every candidate lies outside; a file that is missing is left to :meth:`read`.
+        """
+        bases = list(bases)
+        scheme, found, rest = name.partition("://")
+        if found and scheme in ("package", "model"):
+            parts = PurePosixPath(rest).parts[:DEPTH_LIMIT]
+            if ".." in parts:
+                raise BadInput(entry, name, "a path that stays below the card's folder")
+            above = [str(folder) for folder in (PurePosixPath(bases[0]), *PurePosixPath(bases[0]).parents)]
+            tails = ["/".join(parts[k:]) for k in range(len(parts))]
+            tries = [f"{folder}/{tail}" for tail in tails for folder in above[:DEPTH_LIMIT]]
+            tries = [*tries, f"./{tails[min(1, len(tails) - 1)]}"] if tails else []
+        else:
+            name = name.removeprefix("file://")
+            tries = [name if name.startswith("/") else f"{base}/{name}" if base else name for base in bases]
+        inside, refusal = [], BadInput(entry, name, "a file below the card's folder")
+        for candidate in tries:
+            try:
+                key, path = self._resolve(candidate, entry)
+                if path.is_file():
+                    return key
+                inside.append(key)
+            except BadInput as error:
+                refusal = BadInput(entry, name, error.valid, error.remedy)
+            except OSError:
+                continue
+        if not inside:
+            raise refusal
+        return inside[-1] if found else inside[0]
 
     def digest(self, card: bytes) -> str:
         """SHA-256 of the card and of every file read, as hexadecimal digits."""
@@ -144,11 +187,3 @@ def _finite_or_word(token: str) -> bool:
         return math.isfinite(float(token))
     except ValueError:
         return True
-
-
-def mesh_path(name: str, folder: str, entry: str) -> str:
-    """Path of a mesh relative to the card's folder, its format checked."""
-    path = PurePosixPath(folder) / name
-    if path.suffix.lower() not in MESH_FORMATS:
-        raise BadInput(entry, name, f"a mesh of kind {', '.join(MESH_FORMATS)}")
-    return str(path)
