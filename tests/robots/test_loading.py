@@ -214,3 +214,44 @@ def test_names_of_the_model_are_plain_text(name: str, tmp_path: Path) -> None:
     text = bhr_text().replace('<site name="imu"', f'<site name="{name}"/><site name="imu"')
     with pytest.raises(BadInput, match="printable"):
         build_model(text, tmp_path)
+
+
+def test_a_scene_keeps_its_other_bodies_behind_the_robot(tmp_path: Path, bhr: Robot) -> None:
+    ball = '<worldbody><body name="ball" pos="2 0 0.2"><joint type="ball"/>'
+    ball += '<inertial pos="0 0 0" mass="3" diaginertia="0.01 0.01 0.01"/><geom size="0.1 0.1"/></body>'
+    robot = build_model(bhr_text().replace("<worldbody>", ball), tmp_path)
+    assert robot.mass == bhr.mass
+    assert robot.joint_names == bhr.joint_names
+    model = robot.make_spec().compile()
+    assert [model.body(b).name for b in range(model.nbody)][bhr.model.nbody :] == ["ball"]
+    assert model.nq == bhr.model.nq + 4
+    assert model.body_mass[: bhr.model.nbody].tolist() == bhr.model.body_mass.tolist()
+    assert model.body("ball").pos.tolist() == [2.0, 0.0, 0.2]
+    assert robot.make_spec().compile().nbody == model.nbody
+
+
+def test_meshes_are_found_from_the_file_that_names_them(tmp_path: Path) -> None:
+    import struct
+
+    corners = ((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1))
+    stl = bytes(80) + struct.pack("<I", 4)
+    for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
+        stl += bytes(12) + b"".join(struct.pack("<3f", *corners[k]) for k in face) + bytes(2)
+    (tmp_path / "robot" / "meshes").mkdir(parents=True)
+    (tmp_path / "robot" / "model").mkdir()
+    (tmp_path / "robot" / "meshes" / "tip.stl").write_bytes(stl)
+    (tmp_path / "secret.stl").write_bytes(stl)
+    part = '<mujocoinclude><asset><mesh name="tip" file="NAME"/></asset></mujocoinclude>'
+    text = bhr_text().replace('<freejoint name="root"/>', '<freejoint name="root"/><geom type="mesh" mesh="tip"/>')
+    text = text.replace("<worldbody>", '<include file="parts/shapes.xml"/><worldbody>')
+    (tmp_path / "robot" / "model" / "parts").mkdir()
+    (tmp_path / "robot" / "model" / "model.xml").write_text(text)
+    shapes = tmp_path / "robot" / "model" / "parts" / "shapes.xml"
+    data = card_data() | {"model": "model/model.xml"}
+    for name in ("../../meshes/tip.stl", "../meshes/tip.stl", "meshes/tip.stl", "package://any/robot/meshes/tip.stl"):
+        shapes.write_text(part.replace("NAME", name))
+        assert build(data, tmp_path / "robot").model.nmesh == 1
+    for name in ("../../../secret.stl", str(tmp_path / "secret.stl"), "package://x/../secret.stl"):
+        shapes.write_text(part.replace("NAME", name))
+        with pytest.raises(BadInput, match="below the card's folder"):
+            build(data, tmp_path / "robot")

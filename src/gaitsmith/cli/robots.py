@@ -60,14 +60,16 @@ def show(words: list[str], program: str) -> Outcome:
 
 
 def check(words: list[str], program: str) -> Outcome:
-    """Run ``robots check``: load the robot, and let it stand at its default height.
+    """Run ``robots check``: load the robot, lay its soles on the ground, and let it stand at its default height.
 
     Raises:
         BadInput: the command line or the robot cannot be used.
     """
     robot = named_robot(parse(RobotArguments, words, program).robot, "ROBOT")
     from gaitsmith.kinematics.posture import standing_posture
+    from gaitsmith.robots.footing import check_soles
 
+    check_soles(robot)
     gait = robot.card.gait
     posture = standing_posture(robot, gait.height, gait.width)
     angles = dict(zip(robot.joint_names, posture[7:].tolist(), strict=True))

@@ -8,12 +8,13 @@ import mujoco
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.card import Described, LegCard, RobotCard
+from gaitsmith.robots.engine import engine_errors
 from gaitsmith.robots.model_file import FREE, ModelFile, listed, unused
 from gaitsmith.robots.rooting import root_at, turn_frame
 from gaitsmith.robots.shapes import tree
 
 TERRAIN, LEFT, RIGHT = 1, 2, 4
-ATTACHED = "~scene"  # after the names of a scene's bodies while they are attached
+ATTACHED = "scene~"  # before the names of a scene's bodies while they are attached
 
 
 def assemble(found: ModelFile, card: Described, label: str, notes: list[str]) -> mujoco.MjSpec:
@@ -73,11 +74,12 @@ def with_scene(spec: mujoco.MjSpec, scene: mujoco.MjSpec | None) -> mujoco.MjSpe
     spec = spec.copy()
     if scene is not None:
         other = scene.copy()
-        for body in list(other.worldbody.bodies):
-            spec.worldbody.add_frame().attach_body(body, "", ATTACHED)
+        with engine_errors("scene", []):
+            for body in list(other.worldbody.bodies):
+                spec.worldbody.add_frame().attach_body(body, ATTACHED, "")
         for kind in ("bodies", "joints", "geoms", "sites"):
             for element in getattr(spec, kind):
-                element.name = element.name.removesuffix(ATTACHED)
+                element.name = element.name.removeprefix(ATTACHED)
     return spec
 
 

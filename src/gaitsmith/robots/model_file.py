@@ -178,12 +178,12 @@ def strip(
         root.add_freejoint(name=unused(spec.joints, "root"))
         notes.append(f"added a free joint to {root.name}")
     read_meshes(spec, source, notes)
-    scene = _part(spec, root.name, notes)
+    scene = _part(spec, root.name, entry, notes)
     usable_meshes(spec, entry, notes)
     return ModelFile(spec, root.name, scene, entry, tuple(notes), limits, angles, coupled, mass, {})
 
 
-def _part(spec: mujoco.MjSpec, root: str, notes: list[str]) -> mujoco.MjSpec | None:
+def _part(spec: mujoco.MjSpec, root: str, entry: str, notes: list[str]) -> mujoco.MjSpec | None:
     """Take the other bodies of the scene out; a specification with nothing but those, None without any."""
     others = [body for body in spec.worldbody.bodies if body.name != root]
     shown = [body.name for body in others if any(part.geoms for part in tree(body))]
@@ -195,6 +195,7 @@ def _part(spec: mujoco.MjSpec, root: str, notes: list[str]) -> mujoco.MjSpec | N
         for name in {body.name for body in scene.worldbody.bodies} - set(shown):
             scene.delete(scene.body(name))
         drop_dangling(scene)
+        compiled(scene.copy(), entry)
         notes.append(f"bodies of the scene are in the plant, unknown to the control: {listed(shown)}")
     return scene
 

@@ -35,7 +35,10 @@ class MeshFile:
         """
         kind = PurePosixPath(self.name).suffix.lower()
         found = self.folder.find(self.name, self.bases, self.entry)
-        content = self.folder.read(found, self.entry) if kind in MESH_FORMATS else b""
+        try:
+            content = self.folder.read(found, self.entry) if kind in MESH_FORMATS else b""
+        except BadInput as error:
+            raise BadInput(self.entry, self.name, error.valid, error.remedy) from None
         text = kind == ".stl" and content[:5] == b"solid" and b"facet" in content[:1000]
         return ("" if text else kind if content else ""), content
 

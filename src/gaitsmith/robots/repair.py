@@ -32,12 +32,14 @@ def repair_inertias(spec: mujoco.MjSpec, notes: list[str]) -> float:
             if values[0] > 0.0 and values[0] + values[1] >= (1.0 - ROUNDING) * values[2]:
                 continue
             ball = 0.4 * body.mass * (body.mass / DENSITY) ** (2.0 / 3.0)
-            values = np.clip(values, LEAST * values[2], None) if values[2] > 0.0 else np.full(3, ball)
+            values = np.clip(values, LEAST * values[2], None) if values[2] > MASSLESS * ball else np.full(3, ball)
             values = values if values[0] + values[1] >= values[2] else np.full(3, values.mean())
             matrix = (axes * values) @ axes.T
             body.fullinertia = [*np.diag(matrix), matrix[0, 1], matrix[0, 2], matrix[1, 2]]
             bent.append(body.name)
-        elif body.joints and not body.geoms and _carried(body) <= MASSLESS * total and body.parent.name != "world":
+        elif body.mass == 0.0 and not (body.joints and _carried(body) <= MASSLESS * total):
+            body.fullinertia, body.inertia = np.full(6, np.nan), np.zeros(3)
+        elif body.mass == 0.0 and (body.explicitinertial or not body.geoms) and body.parent.name != "world":
             body.mass, body.explicitinertial = VIRTUAL * total, True
             body.ipos, body.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
             body.fullinertia = np.full(6, np.nan)

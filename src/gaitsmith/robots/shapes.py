@@ -91,6 +91,8 @@ def read_meshes(spec: mujoco.MjSpec, source: ModelText, notes: list[str]) -> Non
             if not kind:
                 _without(spec, mesh, f"{source.meshes[mesh.file].name} is no .obj, .stl (binary) or .msh", notes)
                 continue
+            if source.urdf_mass is not None:
+                mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # links say theirs; a shape may be flat
             mesh.file = mesh.file.removesuffix(".obj") + kind
             assets[mesh.file] = content
     spec.assets = assets

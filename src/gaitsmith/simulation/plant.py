@@ -90,12 +90,12 @@ class Plant:
         add_ground(spec, terrain or Terrain(), region or Region(), friction)
         for k, ball in enumerate(props):
             ball.add_to(spec, f"ball_{k + 1}")
-        self._model, self._contact_at, self._imu_at = build(spec, robot, joint_friction)
+        self._model, self._contact_at, self._imu_at = build(spec, robot, joint_friction, len(props))
         self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
         self._data = mujoco.MjData(self._model)
         self.balls = tuple(
-            BallState(self._data.qpos[robot.model.nq + 7 * k :][:3], self._data.qvel[robot.model.nv + 6 * k :][:3])
-            for k in range(len(props))
+            BallState(self._data.qpos[self._model.nq - 7 * k :][:3], self._data.qvel[self._model.nv - 6 * k :][:3])
+            for k in range(len(props), 0, -1)
         )
         if mass_factor != 1.0 or mass_spread != 0.0:
             change_masses(self._model, self._data, robot.model.nbody, mass_factor, mass_spread, seed)

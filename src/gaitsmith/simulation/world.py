@@ -52,11 +52,12 @@ def add_ground(spec: mujoco.MjSpec, terrain: Terrain, region: Region, friction: 
         )
 
 
-def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[mujoco.MjModel, int, int]:
+def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float, balls: int) -> tuple[mujoco.MjModel, int, int]:
     """Add the sensors that the kernels read and build the model; also the sensors' first addresses."""
     body, subtree = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_XBODY
     names = [robot.model.body(b).name for b in range(robot.model.nbody)]
-    feet = [leg.sole_body for leg in robot.legs]
+    rigid = robot.model.body_weldid
+    feet = [int(rigid[leg.sole_body]) for leg in robot.legs]  # what is fixed to the sole is the foot
     roots = [names[robot.model.jnt_bodyid[leg.joint_indices[0] + 1]] for leg in robot.legs]
 
     def contact(objtype: object, first: str, reftype: object, second: str, what: int, reduce: int) -> None:
@@ -71,10 +72,10 @@ def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[muj
 
     n_before = len(spec.sensors)
     for foot in feet:
-        contact(body, names[foot], body, "world", _FORCE, _SUM)
+        contact(subtree, names[foot], body, "world", _FORCE, _SUM)
     contact(subtree, roots[0], subtree, roots[1], _FOUND, _FIRST)
     for b in range(1, len(names)):
-        if b not in feet:
+        if rigid[b] not in feet:
             contact(body, names[b], body, "world", _FOUND, _FIRST)
     n_imu = len(spec.sensors)
     torso = spec.body(names[robot.torso_body])
@@ -88,7 +89,7 @@ def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float) -> tuple[muj
     except ValueError as error:
         raise PlantError(f"the physics engine refused the model: {error}") from None
     joints = slice(6, robot.model.nv)
-    model.dof_armature[joints.stop :] = model.dof_damping[joints.stop :] = 0.0  # props are not the robot's joints
+    model.dof_armature[model.nv - 6 * balls :] = model.dof_damping[model.nv - 6 * balls :] = 0.0  # no robot's joints
     if joint_friction > 0.0:
         model.dof_frictionloss[joints] += joint_friction
         model.dof_solref[joints] = _SOLREF
