@@ -58,6 +58,7 @@ class Command:
 
 COMMANDS: dict[tuple[str, ...], Command] = {
     ("walk",): Command("gaitsmith.cli.walk", "walk", "walk a robot through a scenario in closed loop with physics"),
+    ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
     ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),

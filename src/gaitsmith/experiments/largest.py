@@ -91,7 +91,12 @@ class Search:
 
 
 def search_largest(
-    grids: Sequence[PushGrid], robot: Robot, store: Store, jobs: int, progress: Progress
+    grids: Sequence[PushGrid],
+    robot: Robot,
+    store: Store,
+    jobs: int,
+    progress: Progress,
+    resolution: float | None = None,
 ) -> tuple[list[Search], bool]:
     """Search all gaits at the same time, one round of impulses after the other.
 
@@ -103,7 +108,7 @@ def search_largest(
     Raises:
         BadInput: an impulse or gait that the robot's card does not allow.
     """
-    resolution = resolution_for(robot)
+    resolution = resolution or resolution_for(robot)
     searches = [Search(grid, resolution) for grid in grids]
     number = 0
     while True:

@@ -1,0 +1,291 @@
+"""From a stranger's model file to a folder with a card, a picture, and what the robot can do; written whole or not."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
+from gaitsmith.adoption.card_text import CardDraft, Entry, draft_card
+from gaitsmith.adoption.feet import add_soles, sole_candidates
+from gaitsmith.adoption.picture import portrait_of
+from gaitsmith.adoption.search import Found, search
+from gaitsmith.adoption.sheet import measure, reserves
+from gaitsmith.adoption.soles import GivenSole, NoSole, SoleFound, find_sole, matched, measured_sole
+from gaitsmith.adoption.source import find_model
+from gaitsmith.adoption.trials import Doctor, examine
+from gaitsmith.errors import BadInput
+from gaitsmith.experiments.result import Progress, silent
+from gaitsmith.experiments.store import Store
+from gaitsmith.files import why_unwritable, write_bytes_atomic, write_text_atomic
+from gaitsmith.robots import Robot, load_robot
+from gaitsmith.robots.model_file import ModelFile, open_model
+from gaitsmith.view.canvas import save
+from gaitsmith.view.portrait import draw_portrait
+
+_PLAIN = {"", "mujoco model", "model", "scene", "robot", "main", "mjcf", "urdf"}  # file names that say nothing
+_ALIKE = 0.005  # of hip height: difference of left and right soles that is the maker's tolerance
+_CARD, _PICTURE, _RUNS = "card.toml", "robot.png", ".runs"
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the user says.
+
+    Attributes:
+        model: path or name.
+        out: folder to write; None for one named after the robot.
+        name: of the robot; empty for the model file's.
+        feet, torso: bodies, where they are not to be inferred.
+        sole: the soles' size, for feet without shapes.
+        search: candidates at most, 0 for none.
+        seed: of the search.
+        jobs: processes.
+        sheet: whether to measure what it can do.
+    """
+
+    model: str
+    out: str | None = None
+    name: str = ""
+    feet: tuple[str, ...] = ()
+    torso: str = ""
+    sole: GivenSole | None = None
+    search: int = 40
+    seed: int = 0
+    jobs: int = 1
+    sheet: bool = True
+
+
+@dataclass
+class Adoption:
+    """What came of it.
+
+    Attributes:
+        card: its path; None if something has to be asked.
+        document: the JSON contract.
+        asked: flags that are needed, with candidates.
+        reason: why something is asked, in one line.
+    """
+
+    card: Path | None
+    document: dict[str, Any]
+    asked: list[dict[str, Any]] = field(default_factory=list)
+    reason: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether every test was passed."""
+        return self.card is not None and all(test["ok"] for test in self.document["tests"].values())
+
+
+def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
+    """Infer a card, test it, and write its folder.
+
+    Raises:
+        BadInput: the model cannot be read, is no biped, or the folder cannot be written.
+        KeyboardInterrupt: Ctrl-C; nothing is written.
+    """
+    progress(0, 0, "reading the model")
+    path = find_model(wishes.model)
+    if wishes.out:
+        _free_folder(wishes.out)
+    found = open_model(path)
+    name = _robot_name(wishes, path, str(found.spec.modelname))
+    out = _free_folder(wishes.out or name)
+    flags = Flags(wishes.feet, wishes.torso)
+    anatomy = find_anatomy(found.model, found.entry, found.coupled, flags)
+    try:
+        soles = _soles(anatomy, wishes.sole, found.entry)
+    except NoSole as error:
+        asked = [{"flag": "--sole", "candidates": sole_candidates(found.model, anatomy)}]
+        return Adoption(None, _document(None, name, found, anatomy, None, asked), asked, str(error))
+    files = dict(found.files)
+    model_file = next(iter(files))
+    if wishes.sole is not None:
+        add_soles(files, found.model, anatomy, soles)
+    draft = draft_card(name, model_file, found.model, anatomy, soles, _welded(found, anatomy))
+    with _staged(out) as folder:
+        _write(folder, files, draft)
+        robot = load_robot(folder)
+        store = Store(folder / _RUNS)
+        doctor = examine(robot, str(folder), progress=progress)
+        tried: Found | None = None
+        if doctor.standing.ok and doctor.soles.ok and not doctor.walk.ok and wishes.search:
+            stage = _stage(folder, files, draft)
+            tried = search(robot, stage, store, wishes.search, wishes.seed, wishes.jobs, progress)
+            if tried is not None and tried.walks:
+                _use(draft, tried, wishes.seed)
+                _write(folder, files, draft)
+                robot = load_robot(folder)
+                doctor = examine(robot, str(folder), progress=progress)
+        sheet = _sheet(robot, folder, doctor, store, wishes, progress)
+        draft.remarks += _remarks(robot, found, doctor, sheet)
+        write_text_atomic(folder / _CARD, draft.text())
+        robot = load_robot(folder)
+        save(draw_portrait(portrait_of(robot)), folder / _PICTURE)
+        document = _document(robot, name, found, anatomy, draft, [])
+        document["tests"] = {test.name: test.document() for test in doctor.tests}
+        document["search"] = None if tried is None else {"rollouts": tried.rollouts, "seconds": tried.seconds}
+        document["sheet"] = sheet
+        for extra in folder.glob(f"{_RUNS}*"):
+            shutil.rmtree(extra)
+    document["card"] = str(out / _CARD)
+    return Adoption(out / _CARD, document)
+
+
+def _robot_name(wishes: Wishes, path: Path, own: str) -> str:
+    """The user's, else that of the file, of the model, or of the folder, whichever says something first."""
+    if wishes.name:
+        return wishes.name
+    said = [name for name in (path.stem, own, path.resolve().parent.name) if name.lower() not in _PLAIN]
+    plain = re.sub(r"[^A-Za-z0-9_.-]+", "_", said[0] if said else "").strip("_.-")
+    return plain[:64] or "robot"
+
+
+def _free_folder(given: str) -> Path:
+    """The folder to write, which must not be there yet."""
+    out = Path(given)
+    try:
+        if os.path.lexists(out):
+            raise BadInput("--out", given, "a folder that is not there yet", "delete it, or name another")
+        parent = out.resolve().parent
+        parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise BadInput("--out", given, "a folder that can be created", str(error)) from None
+    if reason := why_unwritable(parent):
+        raise BadInput("--out", given, "a folder that can be created", reason)
+    return out
+
+
+@contextlib.contextmanager
+def _staged(out: Path) -> Iterator[Path]:
+    """A folder beside the wanted one, renamed to it at the end, removed if anything fails before."""
+    folder = out.resolve().parent / f".{out.name[:60]}.{secrets.token_hex(4)}"
+    try:
+        folder.mkdir()
+        yield folder
+        os.rename(folder, out)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise BadInput("--out", str(out), "a folder that can be written", reason) from None
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _write(folder: Path, files: dict[str, bytes], draft: CardDraft) -> None:
+    """Model, meshes and card."""
+    for relative, content in files.items():
+        target = folder / relative
+        if not target.exists():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_bytes_atomic(target, content)
+    write_text_atomic(folder / _CARD, draft.text())
+
+
+def _stage(
+    folder: Path, files: dict[str, bytes], draft: CardDraft
+) -> Callable[[dict[str, dict[str, dict[str, Any]]]], tuple[str, Robot]]:
+    """Loads the robot with more presets from a folder of their own; see :data:`gaitsmith.adoption.search.Stage`."""
+    rounds = iter(range(1_000_000))
+
+    def stage(presets: dict[str, dict[str, dict[str, Any]]]) -> tuple[str, Robot]:
+        place = folder / f"{_RUNS}{next(rounds)}"
+        tables = dict(draft.tables)
+        for name, groups in presets.items():
+            for group, values in groups.items():
+                tables[f"presets.{name}.{group}"] = [Entry(key, value, "") for key, value in values.items()]
+        place.mkdir()
+        _write(place, files, CardDraft(draft.header, draft.legs, tables))
+        return str(place), load_robot(place)
+
+    return stage
+
+
+def _soles(anatomy: Anatomy, given: GivenSole | None, entry: str) -> list[SoleFound]:
+    if given is not None:
+        return [measured_sole(leg, anatomy, given) for leg in anatomy.legs]
+    for leg in anatomy.legs:
+        if not leg.shapes:
+            raise NoSole(entry, leg)
+    return matched([find_sole(leg, anatomy, entry) for leg in anatomy.legs], _ALIKE * anatomy.hip_height)
+
+
+def _welded(found: ModelFile, anatomy: Anatomy) -> dict[str, str]:
+    """Joints that the card welds, and why."""
+    toes = [found.model.joint(j).name for leg in anatomy.legs for j in leg.toes]
+    return dict.fromkeys(toes, "toes: the sole is rigid")
+
+
+def _use(draft: CardDraft, tried: Found, seed: int) -> None:
+    """The found gait and gains as entries."""
+    source = f"search with seed {seed}, best of {tried.rollouts}"
+    draft.tables["gait"] = [Entry(name, value, source) for name, value in tried.gait.items()]
+    for group, values in tried.gains.items():
+        draft.tables[f"presets.default.{group}"] = [Entry(key, value, source) for key, value in values.items()]
+
+
+def _sheet(
+    robot: Robot, folder: Path, doctor: Doctor, store: Store, wishes: Wishes, progress: Progress
+) -> dict[str, Any] | None:
+    if doctor.failed is not None or doctor.summary is None:
+        return None
+    own = measure(robot, str(folder), store, wishes.jobs, progress) if wishes.sheet else {}
+    return own | reserves(robot, doctor.summary)
+
+
+def _assumed(robot: Robot, found: ModelFile) -> list[Entry]:
+    """What neither the model nor its geometry says."""
+    entries = []
+    for kind in ("position", "velocity", "torque"):
+        silent_joints = [name for name in robot.joint_names if getattr(found.limits[name], kind) is None]
+        values = {str(getattr(robot.card.limits[name], kind)) for name in silent_joints}
+        if silent_joints:
+            names = "every joint" if len(silent_joints) == len(robot.joint_names) else ", ".join(silent_joints)
+            shown = sorted(values)[0] if len(values) == 1 else sorted(values)
+            entries.append(Entry(f"limits.*.{kind}", shown, f"a robot of this size; the model gives none for {names}"))
+    for name, value in robot.card.gait.model_dump(mode="json").items():
+        if value not in (0.0, [0.0, 0.0]):
+            entries.append(Entry(f"gait.{name}", value, "a robot of this size"))
+    return entries
+
+
+def _remarks(robot: Robot, found: ModelFile, doctor: Doctor, sheet: dict[str, Any] | None) -> list[str]:
+    """What the card's end says."""
+    lines = [f"assumed: {e.entry} = {e.value}: {e.source}" for e in _assumed(robot, found) if "limits" in e.entry]
+    lines += [f"note: {note}" for note in robot.notes]
+    lines += [f"test: {test.words}" for test in doctor.tests]
+    return lines + [f"walked: {key} {value}" for key, value in (sheet or {}).items()]
+
+
+def _document(
+    robot: Robot | None,
+    name: str,
+    found: ModelFile,
+    anatomy: Anatomy,
+    draft: CardDraft | None,
+    asked: list[dict[str, Any]],
+) -> dict[str, Any]:
+    """The JSON contract, without tests, search and sheet."""
+    legs = [
+        {"name": leg.name, "joints": [found.model.joint(j).name for j in leg.joints], "roles": list(leg.roles)}
+        for leg in anatomy.legs
+    ]
+    return {
+        "card": None,
+        "robot": name,
+        "legs": legs,
+        "inferred": [entry.document() for entry in draft.inferred] if draft else [],
+        "assumed": [entry.document() for entry in _assumed(robot, found)] if robot else [],
+        "asked": asked,
+        "notes": list(robot.notes) if robot else list(found.notes),
+        "tests": {},
+        "search": None,
+        "sheet": None,
+    }

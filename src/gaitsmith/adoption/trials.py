@@ -1,0 +1,121 @@
+"""Three physical tests of a robot: both soles carry it, it stands still, it walks slowly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.experiments.result import Progress, silent
+from gaitsmith.robots import Robot
+from gaitsmith.simulation import Scenario, Simulation, Summary
+
+STANDING = 8.0  # s
+WALKING = 20.0  # s
+SPEED = 0.1  # m/s
+TURNED = 2.0  # degrees of heading while standing
+_SHARE = 0.25  # of the weight that each sole has to carry
+_OFF = 0.02  # m/s of error in the mean speed, and degrees of heading a second
+_SETTLED = 0.25  # of the standing time, at the end of which loads are measured
+
+
+@dataclass(frozen=True)
+class Test:
+    """One test: whether it was passed, the figure that decided, and it in words."""
+
+    name: str
+    ok: bool
+    figure: float
+    words: str
+
+    def document(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"ok": self.ok, "figure": self.figure, "words": self.words}
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """The three tests' outcome, and the walk's summary (None if it was not tried)."""
+
+    soles: Test
+    standing: Test
+    walk: Test
+    summary: Summary | None
+
+    @property
+    def tests(self) -> tuple[Test, Test, Test]:
+        """In order."""
+        return self.soles, self.standing, self.walk
+
+    @property
+    def failed(self) -> Test | None:
+        """The first test that was not passed."""
+        return next((test for test in self.tests if not test.ok), None)
+
+
+def examine(robot: Robot, name: str, *, progress: Progress = silent) -> Doctor:
+    """Run the tests, one after the other.
+
+    Args:
+        robot: loaded.
+        name: under which scenarios load it again.
+        progress: told before every test.
+
+    Raises:
+        BadInput: the robot cannot stand in its card's posture.
+    """
+    progress(0, 3, "standing")
+    soles, standing = stand(robot, name)
+    progress(2, 3, "walking")
+    summary = None if standing.figure is None else _run(robot, walk_scenario(name))
+    return Doctor(soles, standing, walked(summary), summary)
+
+
+def stand(robot: Robot, name: str) -> tuple[Test, Test]:
+    """Both soles carry the weight, and the heading stays, over 8 s on both feet."""
+    scenario = Scenario(robot=name, speed=(0.0, 0.0), duration=STANDING, rest_before=STANDING)
+    simulation = Simulation(scenario, robot=robot, record=True)
+    episode = simulation.run()
+    log, summary = episode.log, episode.summary
+    weight = robot.mass * float(np.linalg.norm(robot.model.opt.gravity))
+    assert log is not None
+    settled = log.column("time") > (1.0 - _SETTLED) * simulation.time
+    loads = [float(np.mean(log.column(f"sole_force.{leg.name}")[settled])) / weight for leg in robot.legs]
+    share = min(loads) if loads else 0.0
+    words = " and ".join(f"{leg.name} {load:.0%}" for leg, load in zip(robot.legs, loads, strict=True))
+    soles = Test("soles", share >= _SHARE, share, f"the soles carry {words} of the weight")
+    heading = max(map(abs, summary.heading_deg))
+    words = f"stood {summary.duration:g} s, heading within {heading:.2g}°"
+    if summary.fall is not None:
+        words = f"fell after {summary.fall.time:.2f} s of standing: {summary.fall.reason}"
+    return soles, Test("standing", not summary.fell and heading <= TURNED, heading, words)
+
+
+def walk_scenario(name: str, **inputs: Any) -> Scenario:
+    """The slow walk that is tested; inputs override it."""
+    return Scenario(**{"robot": name, "speed": (SPEED, 0.0), "duration": WALKING, "rest_before": 1.0, **inputs})
+
+
+def walked(summary: Summary | None) -> Test:
+    """Whether a walk at the test's speed got where it should."""
+    if summary is None:
+        return Test("walk", False, 0.0, "not tried")
+    if summary.fall is not None:
+        words = f"fell after {summary.fall.time:.2f} s: {summary.fall.reason}"
+        return Test("walk", False, summary.fall.time, words)
+    error, heading = errors(summary)
+    mean = [stage for stage in summary.stages if not stage.rest][-1].vx_mean
+    ok = error <= _OFF and heading <= 10.0
+    return Test("walk", ok, mean, f"walked {summary.duration:g} s at {mean:.3f} m/s, heading within {heading:.2g}°")
+
+
+def errors(summary: Summary) -> tuple[float, float]:
+    """Worst error of a mean speed, m/s, and of the heading, degrees, over the walking stages."""
+    walking = [stage for stage in summary.stages if not stage.rest]
+    off = [max(abs(stage.vx_error), abs(stage.vy_error)) for stage in walking]
+    return max(off, default=np.inf), max((abs(stage.heading_drift_deg) for stage in walking), default=np.inf)
+
+
+def _run(robot: Robot, scenario: Scenario) -> Summary:
+    return Simulation(scenario, robot=robot, record=False).run().summary

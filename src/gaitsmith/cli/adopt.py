@@ -1,0 +1,127 @@
+"""``gaitsmith adopt``: a card for a robot that nobody described yet, tested."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from gaitsmith.cli.arguments import Arguments, Jobs, Positional, parse
+from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome
+from gaitsmith.documents import About
+
+if TYPE_CHECKING:
+    from gaitsmith.adoption.adopting import Adoption
+
+_Metres = Annotated[float, Field(gt=0.0, le=2.0)]
+
+
+class AdoptArguments(Arguments):
+    """Make a card for a biped from its model alone: legs, soles and frames are inferred, and it is tested.
+
+    It writes a folder with the card, copies of the model's files, and a picture. Then the robot stands, walks at
+    0.1 m/s, and is measured: speeds, heights, periods and pushes within which it walks.
+    """
+
+    model: Annotated[
+        str,
+        Positional(
+            "A URDF or MJCF file, or a name of robot_descriptions, mujoco-menagerie or example-robot-data",
+            metavar="MODEL",
+        ),
+    ]
+    out: Annotated[str | None, About("Folder to write", metavar="DIR", absent="one named after the robot")] = None
+    name: Annotated[str, About("Name of the robot", metavar="NAME", absent="the model file's")] = ""
+    feet: Annotated[
+        tuple[str, ...], Field(max_length=2), About("Body of a foot, given for both if not inferred", metavar="BODY")
+    ] = ()
+    torso: Annotated[str, About("Body where the legs meet, if not inferred", metavar="BODY")] = ""
+    sole: Annotated[
+        tuple[_Metres, _Metres, _Metres, _Metres] | None,
+        About(
+            "Soles of feet without shapes, from the ankle: heel, toe, half width, and depth below it",
+            "m",
+            "HEEL TOE HALF_WIDTH DEPTH",
+            absent="inferred",
+        ),
+    ] = None
+    search: Annotated[
+        int, Field(ge=0, le=10_000), About("Gaits and gains to try at most if it does not walk", metavar="N")
+    ] = 40
+    seed: Annotated[int, Field(ge=0, lt=2**32), About("Seed of the search", metavar="N")] = 0
+    no_sheet: Annotated[bool, About("Do not measure speeds, heights, periods and pushes")] = False
+    jobs: Jobs = 1
+
+
+def adopt(words: list[str], program: str) -> Outcome:
+    """Run ``adopt``.
+
+    Exit codes: 0 adopted and walks; 1 a card was written but a test fails; 2 refused, or something has to be asked.
+
+    Raises:
+        BadInput: the command line or the model cannot be used.
+    """
+    options = parse(AdoptArguments, words, program)
+    from gaitsmith.adoption.adopting import Wishes
+    from gaitsmith.adoption.adopting import adopt as run
+    from gaitsmith.adoption.soles import GivenSole
+    from gaitsmith.cli.display import Display
+    from gaitsmith.errors import BadInput
+
+    if len(options.feet) == 1:
+        raise BadInput("--feet", options.feet[0], "two bodies: --feet LEFT --feet RIGHT")
+    given = options.model_dump(exclude={"json_", "no_sheet", "sole"})
+    sole = None if options.sole is None else GivenSole(*options.sole)
+    with Display("loading (the first time compiles)") as display:
+
+        def advance(done: int, total: int, what: str) -> None:
+            display.show(what, f"{done} of {total}" if total else "", done, total or None)
+
+        adoption = run(Wishes(**given, sole=sole, sheet=not options.no_sheet), advance)
+    code = BAD_INPUT if adoption.card is None else DONE if adoption.ok else FELL
+    return Outcome(code, adoption.document, lambda: _show(adoption))
+
+
+def _show(adoption: Adoption) -> None:
+    """Legs, tests and sheet; what to do next."""
+    from gaitsmith.cli.printing import Printer, table
+
+    console = Printer()
+    document = adoption.document
+    for leg in document["legs"]:
+        pairs = zip(leg["joints"], leg["roles"], strict=True)
+        console.print(f"{leg['name']} leg: {', '.join(f'{name} ({role})' for name, role in pairs)}")
+    for entry in document["assumed"]:
+        console.print(f"assumed: {entry['entry']} = {entry['value']}: {entry['from']}")
+    for note in document["notes"]:
+        console.print(f"note: {note}")
+    for asked in document["asked"]:
+        console.print(f"not written: {adoption.reason}")
+        console.print(f"give {asked['flag']}, for example {' or '.join(asked['candidates']) or 'as --help says'}")
+    for name, test in document["tests"].items():
+        console.print(f"{name}: {'ok' if test['ok'] else 'FAILED'}: {test['words']}")
+    if document["search"]:
+        console.print(f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s")
+    if document["sheet"]:
+        console.print(table(("walked", "from", "to"), _rows(document["sheet"])))
+    if adoption.card is not None:
+        console.print(f"written: {adoption.card}", soft_wrap=True)
+        console.print(_advice(adoption), soft_wrap=True)
+
+
+def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:
+    rows = [(key, *(f"{v:g}" for v in value)) for key, value in sheet.items() if isinstance(value, list)]
+    rows += [(f"push {key}, N·s", "", f"{value:g}") for key, value in sheet.get("push", {}).items()]
+    return rows + [(key, "", f"{value:g}") for key, value in sheet.items() if isinstance(value, float)]
+
+
+def _advice(adoption: Adoption) -> str:
+    """What to do next."""
+    failed = [name for name, test in adoption.document["tests"].items() if not test["ok"]]
+    if not failed:
+        return f"it walks: gaitsmith walk --robot {adoption.card and adoption.card.parent} --speed 0.1"
+    return {
+        "soles": "both soles do not carry the weight: compare the picture's soles with the robot's, give --sole",
+        "standing": "it does not stand still: check masses, limits and soles in the card, then gaitsmith robots check",
+        "walk": "it does not walk: a larger --search, another --seed, or docs/tuning.md",
+    }[failed[0]]

@@ -1,0 +1,94 @@
+"""Legs, roles, torso and forward direction are found whatever the model's author chose."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from tests.adoption.made_up import MadeUp
+
+from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
+from gaitsmith.errors import BadInput
+
+
+def found(made: MadeUp, **flags: object) -> tuple[Anatomy, list[list[str]]]:
+    model = made.model()
+    coupled = {made.names.get(name, name): "equality joint" for name in made.coupled}
+    anatomy = find_anatomy(model, "made_up.xml", coupled, Flags(**flags))  # type: ignore[arg-type]
+    return anatomy, [[model.joint(j).name for j in leg.joints] for leg in anatomy.legs]
+
+
+CHANGES = {
+    "plain": MadeUp(),
+    "roll first": MadeUp(hip=("roll", "pitch", "yaw")),
+    "pitch first": MadeUp(hip=("pitch", "roll", "yaw")),
+    "ankle roll before pitch": MadeUp(ankle=("roll", "pitch")),
+    "no hip yaw": MadeUp(hip=("roll", "pitch"), ankle=("pitch",), sole="line"),
+    "slanted": MadeUp(slant=0.6),
+    "slanted the other way": MadeUp(slant=-0.6, hip=("roll", "yaw", "pitch")),
+    "reversed": MadeUp(reversed_joints=("pitch",)),
+    "all reversed": MadeUp(reversed_joints=("pitch", "roll", "yaw"), slant=0.3),
+    "turned": MadeUp(turned=math.pi),
+    "sideways": MadeUp(turned=math.pi / 2),
+    "askew": MadeUp(turned=0.4),
+    "waist": MadeUp(waist=1),
+    "three waist joints": MadeUp(waist=3, turned=math.pi),
+    "right leg first": MadeUp(sides=(-1, 1)),
+    "trapezoid": MadeUp(sole="trapezoid"),
+    "no shape": MadeUp(sole="none"),
+    "toes": MadeUp(toes=True),
+    "bent": MadeUp(bend=0.5),
+    "half": MadeUp(scale=0.5),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_same_legs_and_roles_after_every_change(change: str) -> None:
+    made = CHANGES[change]
+    anatomy, joints = found(made)
+    own = [f"h{k}" for k in range(len(made.hip))] + ["k"] + [f"a{k}" for k in range(len(made.ankle))]
+    assert joints == [[f"l{name}" for name in own], [f"r{name}" for name in own]]
+    for leg in anatomy.legs:
+        assert leg.roles == (*made.hip, "pitch", *made.ankle)
+        assert leg.joints.index(leg.knee) == len(made.hip)
+        assert leg.roles[leg.joints.index(leg.ankle_pitch)] == "pitch"
+        assert (leg.ankle_roll >= 0) == ("roll" in made.ankle)
+        assert len(leg.toes) == made.toes
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_torso_and_its_axes(change: str) -> None:
+    made = CHANGES[change]
+    anatomy, _ = found(made)
+    model = made.model()
+    assert model.body(anatomy.torso).name == "pelvis"
+    c, s = math.cos(made.turned), math.sin(made.turned)
+    turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    assert np.allclose(anatomy.axes, turned, atol=1e-6)
+
+
+def test_flags_name_the_feet_and_a_body_that_is_none_is_refused() -> None:
+    _, joints = found(MadeUp(extra_legs=1), feet=("l_ankle1", "r_ankle1"))
+    assert [names[0] for names in joints] == ["lh0", "rh0"]
+    with pytest.raises(BadInput, match="--feet"):
+        found(MadeUp(), feet=("l_ankle1", "nothing"))
+    with pytest.raises(BadInput, match="--torso"):
+        found(MadeUp(), torso="l_shank")
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (MadeUp(extra_legs=1), "4 limbs on the ground"),
+        (MadeUp(sides=(1,)), "one leg"),
+        (MadeUp(ankle=()), "ankle"),
+        (MadeUp(coupled=("lk", "la0")), "coupled"),
+    ],
+)
+def test_what_is_no_biped_is_refused_in_a_sentence_that_says_what_can_walk(made: MadeUp, words: str) -> None:
+    with pytest.raises(BadInput) as caught:
+        found(made)
+    assert words in str(caught.value)
+    assert "two legs" in str(caught.value)
+    assert "\n" not in str(caught.value)
