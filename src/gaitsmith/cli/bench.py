@@ -74,10 +74,28 @@ class BatteryArguments(Arguments):
     out: _Folder = "runs/bench"
 
 
+class TourArguments(Arguments):
+    """Run the public teleoperation test of walking: 90 s, 18 waypoints, 18 punches.
+
+    The table has our row beside published ones, and says what is different.
+    """
+
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    runs: Annotated[int, Field(ge=1, le=10_000), About("Run ids", metavar="N")] = 32
+    first: Annotated[int, Field(ge=0, lt=2**31), About("The first of them", metavar="ID")] = 0
+    force: Annotated[float, Field(ge=0.0, le=10.0), About("Factor on all punches, 0 for none", metavar="X")] = 1.0
+    height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="the card's")] = None
+    period: Annotated[float | None, About("Duration of one step", "s", "S", absent="the card's")] = None
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
+
+
 _EXPERIMENTS: dict[str, tuple[type[Arguments], str]] = {
     "tick": (TickArguments, "measure_tick"),
     "push": (PushArguments, "push_grids"),
     "battery": (BatteryArguments, "run_battery"),
+    "tour": (TourArguments, "run_tour"),
 }
 
 

@@ -69,6 +69,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("bench", "tick"): Command("gaitsmith.cli.bench", "bench", "time of one control tick"),
     ("bench", "push"): Command("gaitsmith.cli.bench", "bench", "pushes in all directions and phases"),
     ("bench", "battery"): Command("gaitsmith.cli.bench", "bench", "speeds, heights, slopes, boxes, noise"),
+    ("bench", "tour"): Command("gaitsmith.cli.bench", "bench", "the public teleoperation test: waypoints and punches"),
 }
 
 

@@ -9,3 +9,4 @@ from gaitsmith.experiments.sets import Trial as Trial
 from gaitsmith.experiments.sets import load_set as load_set
 from gaitsmith.experiments.store import Store as Store
 from gaitsmith.experiments.tick_time import measure_tick as measure_tick
+from gaitsmith.experiments.tour import run_tour as run_tour

@@ -20,7 +20,7 @@ Impulse = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 
 
 class Push(Frozen):
-    """A rectangular push at a body's CoM.
+    """A rectangular push at a body's CoM, or at a joint's anchor.
 
     Attributes:
         time: start, s since the beginning of the run; with ``phase``, the earliest start.
@@ -29,6 +29,7 @@ class Push(Frozen):
         phase: start when the stride reaches this phase: 0 at the start of a left stance, 0.5 at the start of a right
             stance, measured step time over the last step's duration in between. None: start at ``time``.
         body: name of the pushed body; None is the torso.
+        joint: of whose body the anchor is pushed, instead of the body's CoM.
     """
 
     time: Annotated[float, Field(ge=0.0)]
@@ -36,13 +37,14 @@ class Push(Frozen):
     duration: Annotated[float, Field(ge=1e-3, le=10.0)] = 0.1
     phase: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
     body: str | None = None
+    joint: str | None = None
 
 
 class Pushable(Protocol):
     """What pushes act on; :class:`gaitsmith.simulation.Plant` is one."""
 
-    def push(self, force: npt.ArrayLike, body: str | None = None) -> None:
-        """Set the force on a body until it is set again."""
+    def push(self, force: npt.ArrayLike, body: str | None = None, joint: str | None = None) -> None:
+        """Set the force at a body's CoM, or at a joint's anchor, until it is set again."""
 
 
 class StrideClock:
@@ -134,9 +136,10 @@ class Pushes:
             elif self._left[k] < 0 and self._starts(push, time, phase):
                 self._left[k], self.started[k] = self._ticks[k], time
         changed = before ^ self.active
-        for body in {self._pushes[k].body for k in changed}:
-            acting = [self._force[k] for k in self.active if self._pushes[k].body == body]
-            self._plant.push(np.sum(acting, axis=0) if acting else np.zeros(3), body)
+        places = [(push.body, push.joint) for push in self._pushes]
+        for place in {places[k] for k in changed}:
+            acting = [self._force[k] for k in self.active if places[k] == place]
+            self._plant.push(np.sum(acting, axis=0) if acting else np.zeros(3), *place)
         self._before = phase
         return changed
 

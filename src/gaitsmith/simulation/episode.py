@@ -34,6 +34,7 @@ from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.summary import Fall, LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import parse_terrain
+from gaitsmith.simulation.tour import Guide
 from gaitsmith.simulation.wall_time import WallTimes
 
 Progress = Callable[[float], None]
@@ -116,7 +117,7 @@ class Simulation:
             **scenario.model_dump(include=_PLANT),
         )
         for push in scenario.pushes:
-            self.plant.body_id(push.body)
+            self.plant.push(np.zeros(3), push.body, push.joint)
         self._columns = Columns(
             (self.controller.telemetry_columns, self.controller.telemetry_buffer),
             ([f"true.{name}" for name in self.plant.truth_columns], self.plant.truth_buffer),
@@ -129,9 +130,15 @@ class Simulation:
         self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
-        watching: list[Observer | None] = [self._monitor, self._recorder, self._disturber, self._tracked]
+        self._guide = None
+        if scenario.tour is not None:
+            self._guide = Guide(scenario.tour, self.plant, self.controller, scenario.walk_from)
+        watching: list[Observer | None] = [
+            *(self._monitor, self._recorder, self._disturber, self._tracked, self._guide)
+        ]
         observers = [observer for observer in watching if observer is not None]
-        self.loop = Loop(self.plant, self.controller, commands or Script(_orders(scenario), step), observers)
+        orders = commands or self._guide or Script(_orders(scenario), step)
+        self.loop = Loop(self.plant, self.controller, orders, observers)
         self._wall, self._memory = 0.0, _resident_mb()
         self.interrupted = False
 
@@ -290,6 +297,7 @@ class Simulation:
             warnings=tuple(self.plant.warnings),
             memory_mb=Memory(start=self._memory, end=_resident_mb()),
             tracking=self._tracked.report(self.time) if self._tracked is not None else None,
+            tour=self._guide.report() if self._guide is not None else None,
             log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,
         )
 

@@ -55,10 +55,12 @@ class Order:
     Attributes:
         command: gait inputs by name, for :meth:`gaitsmith.control.Controller.command`.
         action: the name of another of its methods, called after that.
+        told: whether observers hear of it; False for one of a stream of small corrections.
     """
 
     command: Mapping[str, Any] = field(default_factory=dict)
     action: Literal["", "walk", "stand", "follow"] = ""
+    told: bool = True
 
 
 class Commands(Protocol):
@@ -176,7 +178,8 @@ class Loop:
         if order.action:
             getattr(self.controller, order.action)()
             event["action"] = order.action
-        self.tell(event)
+        if order.told:
+            self.tell(event)
 
     def _clock_error(self, advance: float) -> BackendError:
         """What to tell of a clock that does not go on evenly."""

@@ -102,6 +102,8 @@ class Plant:
         self._noise = sensors.blocks(len(robot.joint_names), seed) if sensors else None
         self._sensors = sensors
         self._seed = seed
+        self._forces: dict[tuple[int, int | None], npt.NDArray[np.float64]] = {}
+        self._levers = False  # whether a force acts off a CoM
         self._bind(round(torque_delay / physics_step))
 
     def _bind(self, delay: int) -> None:
@@ -167,6 +169,8 @@ class Plant:
         mujoco.mj_kinematics(self._model, self._data)
         self._data.qpos[2] -= self._lowest_sole_point()
         mujoco.mj_forward(self._model, self._data)
+        self._forces.clear()
+        self._levers = False
         account = self._account
         account.torque[:] = 0.0
         account.delayed[:] = 0.0
@@ -209,6 +213,8 @@ class Plant:
         """Apply joint torques (nj,) for one control period, N·m in joint order, and observe what comes of it."""
         account, address, model, data = self._account, self._address, self._model, self._data
         _hearing.warnings = self.warnings
+        if self._levers:
+            self._place_forces()
         account.torque[:] = torque
         if self._first_torque:
             account.delayed[:] = torque
@@ -255,9 +261,32 @@ class Plant:
         self._noise_row: npt.NDArray[np.float64] = self._readings.view.readings.noise
         self._measured = into
 
-    def push(self, force: npt.ArrayLike, body: str | None = None) -> None:
-        """Set the force (3,) in N, world axes, at a body's CoM (None: the torso) until it is set again."""
-        self._data.xfrc_applied[self.body_id(body), :3] = force
+    def push(self, force: npt.ArrayLike, body: str | None = None, joint: str | None = None) -> None:
+        """Set the force (3,) in N, world axes, until it is set again.
+
+        It acts at a body's CoM (None: the torso's), or at a joint's anchor on the body that the joint moves.
+
+        Raises:
+            BadInput: no such body or joint.
+        """
+        if joint is None:
+            self._forces[self.body_id(body), None] = np.array(force)
+        elif joint in self._robot.joint_names:
+            number = 1 + self._robot.joint_names.index(joint)
+            self._forces[int(self._model.jnt_bodyid[number]), number] = np.array(force)
+        else:
+            raise BadInput("push.joint", joint, "one of " + ", ".join(self._robot.joint_names))
+        self._place_forces()
+
+    def _place_forces(self) -> None:
+        """Forces and their moments about the bodies' CoM, as the robot stands now."""
+        data = self._data
+        data.xfrc_applied[:] = 0.0
+        for (body, joint), force in self._forces.items():
+            data.xfrc_applied[body, :3] += force
+            if joint is not None:
+                data.xfrc_applied[body, 3:] += np.cross(data.xanchor[joint] - data.xipos[body], force)
+        self._levers = any(joint is not None and np.any(force) for (_, joint), force in self._forces.items())
 
     def body_id(self, body: str | None) -> int:
         """Number of a named body.

@@ -17,6 +17,7 @@ from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
+from gaitsmith.simulation.tour import RADIUS, Tour
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -122,6 +123,7 @@ class Scenario(Command):
         About("How a gait file is followed: by the whole body, or replayed by the joints alone"),
     ] = "whole-body"
     changes: tuple[Change, ...] = ()
+    tour: Tour | None = None
     pushes: Annotated[
         tuple[Push, ...],
         About(
@@ -164,6 +166,8 @@ class Scenario(Command):
                 self.duration,
                 f"at least rest_before + rest_after = {self.rest_before + self.rest_after:g} s",
             )
+        if self.tour is not None and (self.changes or self.gait):
+            raise BadInput("tour", self.tour.id, "nothing with changes or a gait file", "the tour says where to go")
         last = -math.inf
         for k, change in enumerate(self.changes):
             if change.time <= last:
@@ -215,6 +219,8 @@ class Scenario(Command):
             heading += turned
             speed = speed if change.speed is None else change.speed
             yaw_rate, now = yaw_rate if change.yaw_rate is None else change.yaw_rate, until
+        if self.tour is not None:
+            lowest, highest = np.full(2, -RADIUS), np.full(2, RADIUS)
         (x, y), (far_x, far_y) = lowest.tolist(), highest.tolist()
         return Region((x - _MARGIN, far_x + _MARGIN), (y - _MARGIN / 2, far_y + _MARGIN / 2))
 

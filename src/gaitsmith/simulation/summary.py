@@ -156,6 +156,20 @@ class Tracking(Frozen):
     ended: bool
 
 
+class TourReport(Frozen):
+    """Score of a tour.
+
+    Attributes:
+        position_error: distance from every waypoint that was gone for, when its time was over, m.
+        yaw_error_deg: the same of the heading, without sign.
+        energy: mechanical work of all joints since the walk began, whatever its sign, J.
+    """
+
+    position_error: tuple[float, ...]
+    yaw_error_deg: tuple[float, ...]
+    energy: float
+
+
 class Summary(Frozen):
     """A run in numbers.
 
@@ -189,6 +203,7 @@ class Summary(Frozen):
         pushes: when each push began, s; null if it never did.
         warnings: what the physics engine warned of.
         tracking: of a planned gait; None for the template's.
+        tour: of a run of the teleoperation test; else None.
     """
 
     fell: bool
@@ -223,6 +238,7 @@ class Summary(Frozen):
     pushes: tuple[float | None, ...]
     warnings: tuple[str, ...]
     tracking: Tracking | None = None
+    tour: TourReport | None = None
 
 
 class Span(NamedTuple):
