@@ -103,7 +103,7 @@ class Plant:
         self._sensors = sensors
         self._seed = seed
         self._forces: dict[tuple[int, int | None], npt.NDArray[np.float64]] = {}
-        self._levers = False  # whether a force acts off a CoM
+        self._levers = False  # forces off a CoM
         self._bind(round(torque_delay / physics_step))
 
     def _bind(self, delay: int) -> None:
@@ -262,9 +262,7 @@ class Plant:
         self._measured = into
 
     def push(self, force: npt.ArrayLike, body: str | None = None, joint: str | None = None) -> None:
-        """Set the force (3,) in N, world axes, until it is set again.
-
-        It acts at a body's CoM (None: the torso's), or at a joint's anchor on the body that the joint moves.
+        """Set the force (3,) in N, world axes, at a body's CoM (None: the torso's), or at a joint's anchor on its body.
 
         Raises:
             BadInput: no such body or joint.

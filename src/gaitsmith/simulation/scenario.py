@@ -17,12 +17,11 @@ from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
-from gaitsmith.simulation.tour import RADIUS, Tour
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
-_MARGIN = 3.0  # m of prepared ground around the commanded path
+_MARGIN = 3.0  # m of prepared ground around the commanded path; a tour stays within
 _SAMPLES = 17  # of a turn
 Seconds = Annotated[float, Field(ge=0.0)]
 
@@ -81,6 +80,22 @@ class Change(Command):
         if not self.given():
             raise BadInput("changes", self.time, "a time and at least one of " + ", ".join(GAIT_INPUTS))
         return self
+
+
+class Tour(Frozen):
+    """One run of the teleoperation test, see :mod:`gaitsmith.simulation.tour`.
+
+    Attributes:
+        id: of the run.
+        forward: largest speed commanded forward and backward, m/s.
+        lateral: largest speed commanded to either side, m/s.
+        yaw_rate: largest rate commanded, rad/s.
+    """
+
+    id: Annotated[int, Field(ge=0, lt=2**32)]
+    forward: Annotated[float, Field(gt=0.0)]
+    lateral: Annotated[float, Field(gt=0.0)]
+    yaw_rate: Annotated[float, Field(ge=0.0)]
 
 
 class Scenario(Command):
@@ -219,8 +234,6 @@ class Scenario(Command):
             heading += turned
             speed = speed if change.speed is None else change.speed
             yaw_rate, now = yaw_rate if change.yaw_rate is None else change.yaw_rate, until
-        if self.tour is not None:
-            lowest, highest = np.full(2, -RADIUS), np.full(2, RADIUS)
         (x, y), (far_x, far_y) = lowest.tolist(), highest.tolist()
         return Region((x - _MARGIN, far_x + _MARGIN), (y - _MARGIN / 2, far_y + _MARGIN / 2))
 

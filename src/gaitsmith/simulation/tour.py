@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
 
-from gaitsmith.documents import Frozen
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.loop import Order
 from gaitsmith.simulation.random_stream import RandomStream
@@ -25,10 +23,11 @@ if TYPE_CHECKING:
     from gaitsmith.control import Controller
     from gaitsmith.robots import Robot
     from gaitsmith.simulation.plant import Plant
+    from gaitsmith.simulation.scenario import Tour
 
 LENGTH, SEGMENT = 90.0, 5.0  # s
 _WAYPOINTS = round(LENGTH / SEGMENT)
-_CENTRE, RADIUS = 0.3, 1.0  # m ahead of the start, and of the disc of waypoints
+_CENTRE, _RADIUS = 0.3, 1.0  # m ahead of the start, and of the disc of waypoints
 _WALK, _PUNCH, _ARMS = 2, 3, 4  # streams of a run id
 _PERIOD = 0.02  # s from one command to the next
 _GAIN = 1.5  # 1/s, on position and on heading
@@ -38,22 +37,6 @@ _DELAY, _DURATION = 0.1, 0.08  # s
 _ARM_STEP, _ARM_PERIOD, _ARM_DRAWS = 0.06, 0.5, 8  # rad, s, tries
 _ARM_TICKS = round(_ARM_PERIOD / _PERIOD)
 _TURN = 2.0 * math.pi
-
-
-class Tour(Frozen):
-    """One run of the test.
-
-    Attributes:
-        id: of the run.
-        forward: largest speed commanded forward and backward, m/s.
-        lateral: largest speed commanded to either side, m/s.
-        yaw_rate: largest rate commanded, rad/s.
-    """
-
-    id: Annotated[int, Field(ge=0, lt=2**32)]
-    forward: Annotated[float, Field(gt=0.0)]
-    lateral: Annotated[float, Field(gt=0.0)]
-    yaw_rate: Annotated[float, Field(ge=0.0)]
 
 
 class Waypoint(NamedTuple):
@@ -69,7 +52,7 @@ def waypoints(run_id: int) -> list[Waypoint]:
     stream, found = RandomStream(run_id, _WALK), []
     for _ in range(_WAYPOINTS):
         radius, bearing, yaw = stream.uniform(0.0, 1.0, 3).tolist()
-        radius, bearing = RADIUS * math.sqrt(radius), _TURN * bearing
+        radius, bearing = _RADIUS * math.sqrt(radius), _TURN * bearing
         place = (_CENTRE + radius * math.cos(bearing), radius * math.sin(bearing))
         found.append(Waypoint(*place, math.remainder(_TURN * yaw, _TURN)))
     return found
