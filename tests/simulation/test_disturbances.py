@@ -22,8 +22,8 @@ class Body:
         self.force = {}
         self.impulse = np.zeros(3)
 
-    def push(self, force, body=None):
-        self.force[body] = np.array(force, dtype=float)
+    def push(self, force, body=None, joint=None):
+        self.force[body, joint] = np.array(force, dtype=float)
 
     def advance(self):
         for force in self.force.values():
@@ -55,7 +55,7 @@ def test_a_push_is_rectangular_and_starts_on_time():
     trace = []
     for k in range(200):
         pushes.apply(k * DT, math.nan)
-        trace.append(body.force.get(None, np.zeros(3))[0])
+        trace.append(body.force.get((None, None), np.zeros(3))[0])
     assert np.count_nonzero(trace) == 100
     assert set(trace) == {0.0, 150.0}
     assert trace.index(150.0) == 20
