@@ -20,6 +20,11 @@ ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")
 """Signals that ask a run to end: Ctrl-C, the end of a session or of a batch job, a terminal that closes."""
 
 
+def reason(error: OSError | ValueError) -> str:
+    """Why a file cannot be used, in words."""
+    return str(getattr(error, "strerror", None) or error).lower()
+
+
 def open_regular(path: str | Path) -> BinaryIO:
     """A regular file, open for reading.
 
@@ -29,7 +34,7 @@ def open_regular(path: str | Path) -> BinaryIO:
     try:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     except (OSError, ValueError) as error:
-        raise BadInput(str(path), _reason(error), "a readable file") from None
+        raise BadInput(str(path), reason(error), "a readable file") from None
     if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
         raise BadInput(str(path), "something else", "a regular file")
@@ -57,7 +62,7 @@ def read_bounded(path: str | Path, limit: int) -> bytes:
         with open_regular(path) as file:
             content = file.read(limit + 1)
     except OSError as error:
-        raise BadInput(str(path), _reason(error), "a readable file") from None
+        raise BadInput(str(path), reason(error), "a readable file") from None
     if len(content) > limit:
         raise BadInput(str(path), f"more than {limit} bytes", f"at most {limit} bytes")
     return content
@@ -85,7 +90,7 @@ def write_bytes_atomic(path: str | Path, content: bytes) -> None:
             raise
         _sync_folder(target.parent)
     except (OSError, ValueError) as error:
-        raise BadInput(str(path), _reason(error), "a file in a folder that can be written") from None
+        raise BadInput(str(path), reason(error), "a file in a folder that can be written") from None
 
 
 def write_text_atomic(path: str | Path, text: str) -> None:
@@ -108,7 +113,7 @@ def regular_target(path: str | Path) -> Path:
     except FileNotFoundError:
         return target
     except (OSError, ValueError) as error:
-        raise BadInput(shown, _reason(error), "a file that can be written") from None
+        raise BadInput(shown, reason(error), "a file that can be written") from None
     if not stat.S_ISREG(mode):
         found = "a folder" if stat.S_ISDIR(mode) else "something that is no file"
         raise BadInput(shown, found, "a regular file, or a name that is free")
@@ -122,7 +127,7 @@ def why_unwritable(folder: Path) -> str:
         os.mkdir(probe)  # modes don't tell of /proc, of read-only disks, of full ones
         os.rmdir(probe)
     except (OSError, ValueError) as error:
-        return _reason(error)
+        return reason(error)
     return ""
 
 
@@ -168,9 +173,3 @@ def _sync_folder(folder: Path) -> None:
             os.fsync(handle)
         finally:
             os.close(handle)
-
-
-def _reason(error: OSError | ValueError) -> str:
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror.lower()
-    return str(error)

@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 
 from gaitsmith.cli import dispatch, main
-from gaitsmith.cli.dispatch import Command, Outcome
-from gaitsmith.cli.printing import Printer
+from gaitsmith.cli.dispatch import Command, Outcome, Table
 from gaitsmith.errors import BadInput, CacheRefused
 
 LEAVES = sorted(dispatch.COMMANDS)
@@ -31,7 +30,7 @@ def trial(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Outcome]], 
 
 
 def outcome(code: int = 0, document: dict[str, Any] | None = None) -> Outcome:
-    return Outcome(code, {"value": 1.0} if document is None else document, lambda: print("a table"))
+    return Outcome(code, {"value": 1.0} if document is None else document, ["a table"])
 
 
 def test_people_get_the_table_and_programs_the_document(trial: Any, capsys: pytest.CaptureFixture[str]) -> None:
@@ -129,8 +128,8 @@ def test_a_reader_that_leaves_changes_no_exit_code(trial: Any, monkeypatch: pyte
             raise BrokenPipeError
 
     monkeypatch.setattr(sys, "stdout", Closed())
-    for show in (lambda: print("a line"), lambda: Printer().print("a table")):
-        trial(lambda show=show: Outcome(1, {}, show))
+    for item in ("a line", Table(("a", "table"), [])):
+        trial(lambda item=item: Outcome(1, {}, [item]))
         assert main(["trial"]) == 1
         assert main(["trial", "--json"]) == 1
 
@@ -160,7 +159,7 @@ def test_closed_streams_change_no_exit_code(words: list[str], monkeypatch: pytes
 def test_an_encoding_without_our_letters_shows_question_marks(trial: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     shown = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr(sys, "stdout", shown)
-    trial(lambda: Outcome(0, {}, lambda: print("40 N·m")))
+    trial(lambda: Outcome(0, {}, ["40 N·m"]))
     assert main(["trial"]) == 0
     assert shown.buffer.getvalue() == b"40 N?m\n"
 

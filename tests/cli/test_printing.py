@@ -6,7 +6,8 @@ import sys
 import pytest
 from rich.table import Table
 
-from gaitsmith.cli.printing import Printer, figure
+from gaitsmith.cli.plan_report import figure
+from gaitsmith.cli.printing import Printer
 
 NASTY = "\x1b]0;title\x07\x1b[2J phase\u202e\x9b31m"
 

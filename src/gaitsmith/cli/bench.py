@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from gaitsmith.cli.arguments import Arguments, Jobs, Preset, RobotName, parse
-from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome
+from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome, Table
 from gaitsmith.documents import About
 from gaitsmith.files import uninterrupted
 
@@ -115,7 +115,8 @@ def bench(words: list[str], program: str) -> Outcome:
         result = experiment(**options, progress=advance)
     with uninterrupted():  # the figures belong to what is recorded already
         _draw_grids(result.document, options)
-    return Outcome(INTERRUPTED if result.interrupted else DONE, result.document, lambda: _print_result(result))
+    text = [Table(result.columns, result.rows), *result.notes]
+    return Outcome(INTERRUPTED if result.interrupted else DONE, result.document, text)
 
 
 def _draw_grids(document: dict[str, Any], options: dict[str, Any]) -> None:
@@ -131,12 +132,3 @@ def _draw_grids(document: dict[str, Any], options: dict[str, Any]) -> None:
         if "survival_time" in grid:
             picture = draw_push_map(grid["name"], grid["survival_time"], grid["survival_limit"])
             save(picture, Path(options["out"]) / f"{grid['slug']}.png")
-
-
-def _print_result(result: Any) -> None:
-    from gaitsmith.cli.printing import Printer, table
-
-    console = Printer()
-    console.print(table(result.columns, result.rows))
-    for note in result.notes:
-        console.print(note)

@@ -17,16 +17,38 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import gaitsmith
 from gaitsmith.cli.interrupts import Interrupts
 from gaitsmith.errors import BadInput, GaitsmithError
+from gaitsmith.files import reason
 
 DONE, FELL, BAD_INPUT, NOT_SOLVED, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 70, 130
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of words; the columns numbered in ``left`` hold words, the others numbers; rows named in ``red`` are."""
+
+    headings: Sequence[str]
+    rows: Iterable[Sequence[str]]
+    left: Container[int] = (0,)
+    title: str = ""
+    red: Container[str] = ()
+
+
+class Styled(NamedTuple):
+    """A line, and how a terminal shows it."""
+
+    line: str
+    style: str
+
+
+Text = str | Styled | Table
 
 
 @dataclass(frozen=True)
@@ -36,12 +58,12 @@ class Outcome:
     Attributes:
         code: the exit code.
         document: what ``--json`` prints.
-        show: prints the same for people; called without ``--json`` only.
+        text: the same for people; not asked for with ``--json``.
     """
 
     code: int
     document: dict[str, Any]
-    show: Callable[[], None]
+    text: Iterable[Text] | Callable[[], object]
 
 
 @dataclass(frozen=True)
@@ -97,52 +119,46 @@ def _streams() -> Iterator[TextIO]:
 
 def _guarded(words: list[str], wants_json: bool, out: TextIO, interrupts: Interrupts) -> int:
     """Run the command, and turn every exception into an exit code and a line."""
-    outcome = None
+    outcome, document = None, out if wants_json else None
     try:
         with contextlib.redirect_stdout(sys.stderr) if wants_json else contextlib.nullcontext():
             outcome = _run(words)
-        with _printing():
-            if wants_json:
-                _print_json(outcome.document, out)
-            else:
-                outcome.show()
-            out.flush()
+        if wants_json:
+            _print_json(outcome.document, out)
+        else:
+            _print(outcome.text)
+        out.flush()
         return outcome.code
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else DONE
     except BrokenPipeError:
         _discard(out)
         return DONE if outcome is None else outcome.code
-    except _Unwritable as error:
-        _discard(out)
-        return _failed(BAD_INPUT, str(error), False, out, {})
-    except KeyboardInterrupt:
-        return _interrupted(outcome, wants_json, out, interrupts)
-    except Exception as error:
-        if interrupts.seen:
-            return _interrupted(outcome, wants_json, out, interrupts)
-        return _explained(error, wants_json, out)
+    except (KeyboardInterrupt, Exception) as error:
+        if outcome is not None and isinstance(error, OSError):
+            _discard(out)
+            return _failed(
+                BAD_INPUT, f"standard output: got {reason(error)!r}, expected a stream that can be written", None
+            )
+        if not isinstance(error, KeyboardInterrupt) and not interrupts.seen:
+            return _explained(error, document)
+        interrupts.over = True  # a command records what it has only when it is done, or says what it has kept
+        if outcome is not None:
+            return _failed(INTERRUPTED, "interrupted while printing the result", None)
+        return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", document, kind="interrupted")
 
 
-def _interrupted(outcome: Outcome | None, wants_json: bool, out: TextIO, interrupts: Interrupts) -> int:
-    """Say so; a command records what it has only when it is done, or says itself what it has kept."""
-    interrupts.over = True
-    if outcome is None:
-        return _failed(INTERRUPTED, "interrupted: nothing was recorded yet", wants_json, out, {"kind": "interrupted"})
-    return _failed(INTERRUPTED, "interrupted while printing the result", False, out, {})
-
-
-def _explained(error: Exception, wants_json: bool, out: TextIO) -> int:
+def _explained(error: Exception, document: TextIO | None) -> int:
     """One line for an error, and its exit code."""
     if isinstance(error, BadInput):
-        details = {"kind": "bad input", "field": error.field, "valid": error.valid, "remedy": error.remedy}
-        return _failed(BAD_INPUT, str(error), wants_json, out, {**details, "value": _plain(error.value)})
+        details = {name: getattr(error, name) for name in ("field", "valid", "remedy", "value")}
+        return _failed(BAD_INPUT, str(error), document, kind="bad input", **details)
     if isinstance(error, GaitsmithError):
-        return _failed(BAD_INPUT, str(error), wants_json, out, {"kind": type(error).__name__})
+        return _failed(BAD_INPUT, str(error), document, kind=type(error).__name__)
     if os.environ.get("GAITSMITH_DEBUG"):
         traceback.print_exception(error)
     text = f"internal error: {type(error).__name__}: {error}; set GAITSMITH_DEBUG=1 to see where"
-    return _failed(INTERNAL, text, wants_json, out, {"kind": "internal error"})
+    return _failed(INTERNAL, text, document, kind="internal error")
 
 
 def _run(words: list[str]) -> Outcome:
@@ -154,33 +170,24 @@ def _run(words: list[str]) -> Outcome:
             outcome: Outcome = run(words[depth:], " ".join(["gaitsmith", *words[:depth]]))
             return outcome
     if words[:1] == ["--version"]:
-        return Outcome(DONE, {"version": gaitsmith.__version__}, lambda: _write(f"gaitsmith {gaitsmith.__version__}\n"))
+        return Outcome(DONE, {"version": gaitsmith.__version__}, [f"gaitsmith {gaitsmith.__version__}"])
     group = words[0] if words and any(path[0] == words[0] for path in COMMANDS) else None
+    members = [path for path in COMMANDS if group in (None, path[0])]
     rest = words[1:] if group else words
     if not rest or rest[0] in ("-h", "--help"):
-        return Outcome(DONE, {"commands": [" ".join(path) for path in _members(group)]}, lambda: _write(_help(group)))
-    valid = ", ".join(path[-1] if group else path[0] for path in _first_of_each(group))
+        return Outcome(DONE, {"commands": [" ".join(path) for path in members]}, [_help(group, members)])
+    valid = ", ".join(dict.fromkeys(path[1] if group else path[0] for path in members))
     field = f"gaitsmith {group}: command" if group else "command"
     raise BadInput(field, rest[0], f"one of {valid}", f"see gaitsmith {group or ''} --help")
 
 
-def _members(group: str | None) -> list[tuple[str, ...]]:
-    return [path for path in COMMANDS if group is None or path[0] == group]
-
-
-def _first_of_each(group: str | None) -> list[tuple[str, ...]]:
-    """Paths below ``group``, or one path for each first word."""
-    return list({path[1] if group else path[0]: path for path in _members(group)}.values())
-
-
-def _help(group: str | None) -> str:
+def _help(group: str | None, members: list[tuple[str, ...]]) -> str:
     """The list of commands."""
-    rows = "".join(f"  {' '.join(path):<16}{COMMANDS[path].summary}\n" for path in _members(group))
+    rows = "".join(f"  {' '.join(path):<16}{COMMANDS[path].summary}\n" for path in members)
     head = f"usage: gaitsmith {group or 'COMMAND'}{' COMMAND' if group else ''} [OPTIONS]\n\n"
     tail = "\nEvery command has --help and --json. gaitsmith --version prints the version.\n"
     codes = "Exit codes: 0 done, 1 the robot fell or verify failed, 2 bad input, 3 not solved or not certified,\n"
-    codes += "70 internal error, 130 interrupted.\n"
-    return head + rows + tail + codes
+    return head + rows + tail + codes + "70 internal error, 130 interrupted."
 
 
 def _warned(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -189,24 +196,35 @@ def _warned(message: Warning | str, *_: Any, **__: Any) -> None:
         sys.stderr.write(f"gaitsmith: {printable(' '.join(str(message).split()))}\n")
 
 
-def _failed(code: int, text: str, wants_json: bool, out: TextIO, details: dict[str, Any]) -> int:
-    """One line on stderr, and with ``--json`` the same as a document."""
+def _failed(code: int, text: str, document: TextIO | None, **details: Any) -> int:
+    """One line on stderr, and the same as a document."""
     line = printable(" ".join(text.split()))
     with contextlib.suppress(OSError):
         sys.stderr.write(f"gaitsmith: {line}\n")
         sys.stderr.flush()
-    if wants_json:
+    if document is not None:
         try:
-            _print_json({"error": {**details, "message": line}}, out)
-            out.flush()
+            _print_json({"error": {**details, "message": line}}, document)
+            document.flush()
         except OSError:
-            _discard(out)
+            _discard(document)
     return code
 
 
 def printable(text: str) -> str:
     """The text with question marks for what a terminal would take as a command; names come from people's files."""
     return text if text.isprintable() else "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+
+
+def _print(text: Iterable[Text] | Callable[[], object]) -> None:
+    """Plain lines as they are, the rest through the terminal's library."""
+    for item in (text() or ()) if callable(text) else text:  # type: ignore[attr-defined]
+        if isinstance(item, str):
+            sys.stdout.write(printable(item) + "\n")
+        else:
+            from gaitsmith.cli.printing import print_rich
+
+            print_rich(item)
 
 
 def _print_json(document: dict[str, Any], out: TextIO) -> None:
@@ -221,31 +239,9 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if hasattr(value, "tolist"):
         return _plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, (bool, int, str)):
-        return value
-    return str(value)
-
-
-class _Unwritable(GaitsmithError):
-    """Standard output takes nothing more, and not because its reader has gone."""
-
-
-@contextlib.contextmanager
-def _printing() -> Iterator[None]:
-    """A full disk behind standard output is the user's to solve, a reader who has gone is not even wrong."""
-    try:
-        yield
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise _Unwritable(f"standard output: got {reason!r}, expected a stream that can be written") from None
-
-
-def _write(text: str) -> None:
-    sys.stdout.write(text)
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if value is None or isinstance(value, (bool, int, float, str)) else str(value)
 
 
 def _discard(out: TextIO) -> None:

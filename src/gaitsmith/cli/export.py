@@ -40,13 +40,7 @@ def export(words: list[str], program: str) -> Outcome:
         tell = lambda done, total: display.show("exporting", f"{done} of {total} rows", done, total)  # noqa: E731
         rows = export_gait(gait, robot, path, arguments.format, arguments.rate, steps, tell)
     document = {"file": str(path), "format": arguments.format, "rate": arguments.rate, "rows": rows}
-
-    def show() -> None:
-        from gaitsmith.cli.printing import Printer
-
-        Printer().print(f"written: {document['file']}, {rows} rows", soft_wrap=True)
-
-    return Outcome(DONE, document, show)
+    return Outcome(DONE, document, [f"written: {path}, {rows} rows"])
 
 
 def _beside(gait: str, form: str) -> str:

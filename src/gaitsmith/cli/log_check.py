@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 import secrets
+import sys
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
-from gaitsmith.cli.dispatch import DONE, Outcome
+from gaitsmith.cli.dispatch import DONE, Outcome, printable
 from gaitsmith.cli.run_folder import LOG, SUMMARY, write_summary
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
-from gaitsmith.files import lock, open_regular
+from gaitsmith.files import lock, open_regular, reason
 
 
 class CheckArguments(Arguments):
@@ -30,7 +32,6 @@ def check(words: list[str], program: str) -> Outcome:
     arguments = parse(CheckArguments, words, program)
     path = Path(arguments.run)
     path = path / LOG if path.is_dir() else path
-    from gaitsmith.cli.printing import Printer
     from gaitsmith.simulation.recovery import summary_of, survey
 
     with open_regular(path) as file:
@@ -46,25 +47,12 @@ def check(words: list[str], program: str) -> Outcome:
                 write_summary(folder, summary_of(path))
                 repaired.append(SUMMARY)
     if not found.complete and not running:
-        Printer(stderr=True).print(f"gaitsmith: {path} was cut: whole up to {found.last_time:.3f} s", soft_wrap=True)
-    document: dict[str, Any] = {
-        "run": arguments.run,
-        "rows": found.rows,
-        "last_time": found.last_time,
-        "complete": found.complete,
-        "repaired": bool(repaired),
-        "written": repaired,
-        "running": running,
-    }
-
-    def show() -> None:
-        state = "complete" if found.complete else "still being written" if running else "cut short"
-        console = Printer()
-        console.print(f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}", soft_wrap=True)
-        if repaired:
-            console.print("written anew: " + ", ".join(repaired))
-
-    return Outcome(DONE, document, show)
+        sys.stderr.write(printable(f"gaitsmith: {path} was cut: whole up to {found.last_time:.3f} s\n"))
+    document = {"run": arguments.run, **asdict(found), "repaired": bool(repaired), "written": repaired}
+    state = "complete" if found.complete else "still being written" if running else "cut short"
+    text = [f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}"]
+    text += ["written anew: " + ", ".join(repaired)] if repaired else []
+    return Outcome(DONE, {**document, "running": running}, text)
 
 
 def _finish(path: Path) -> None:
@@ -82,7 +70,6 @@ def _finish(path: Path) -> None:
             os.fsync(copy.fileno())
         os.replace(temporary, path)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise BadInput(str(path), reason, "a folder with room for another copy of the log") from None
+        raise BadInput(str(path), reason(error), "a folder with room for another copy of the log") from None
     finally:
         temporary.unlink(missing_ok=True)

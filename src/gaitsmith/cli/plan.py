@@ -8,11 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gaitsmith.cli.arguments import parse
+from gaitsmith.cli.arguments import as_flag, parse
 from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome
 from gaitsmith.cli.inputs import named_robot
 from gaitsmith.cli.plan_arguments import CLAIMS, SWEEP, PlanArguments, request_from, task_of
-from gaitsmith.cli.run_folder import check_file, check_new_folder, new_folder
+from gaitsmith.cli.plan_report import plan_lines
+from gaitsmith.cli.run_folder import NewFolder, check_file, check_new_folder
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted
 
@@ -43,6 +44,7 @@ def plan(words: list[str], program: str) -> Outcome:
     from gaitsmith.synthesis import Planner, answer, answer_file, plan_document
 
     robot = named_robot(arguments.robot)
+    given = list(arguments.model_dump(exclude_none=True))
     with Display() as display:
         try:
             planner = Planner(robot, display.slow)
@@ -51,7 +53,7 @@ def plan(words: list[str], program: str) -> Outcome:
             else:
                 found = answer_file(planner, Path(arguments.motion or ""), display.iteration)
         except BadInput as error:
-            raise _as_given(error, arguments) from None
+            raise as_flag(error, PlanArguments, given) from None
         kind = request.kind if request is not None else Path(arguments.motion or "").stem
         document = plan_document(found, kind, planner.biped, None if out is None or found.gait is None else str(out))
         if found.gait is not None:
@@ -59,20 +61,7 @@ def plan(words: list[str], program: str) -> Outcome:
             document["figures"] = _write(found.gait, robot, out, figures, display.say)
         else:
             display.say(f"{found.main.status}: {found.main.reason}")
-
-    def show() -> None:
-        from gaitsmith.cli.plan_report import print_plan
-
-        print_plan(document, robot)
-
-    return Outcome(DONE if found.gait is not None else NOT_SOLVED, document, show)
-
-
-def _as_given(error: BadInput, arguments: PlanArguments) -> BadInput:
-    """The error with its field named as the user wrote it, if that was a flag."""
-    if getattr(arguments, error.field, None) is None:
-        return error
-    return BadInput("--" + error.field.replace("_", "-"), error.value, error.valid, error.remedy)
+    return Outcome(DONE if found.gait is not None else NOT_SOLVED, document, plan_lines(document, robot))
 
 
 def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None, say: Callable[[str], None]) -> list[str]:
@@ -84,20 +73,23 @@ def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None, say
     from gaitsmith.synthesis import write_gait
 
     paths: list[str] = []
-    with contextlib.ExitStack() as last, contextlib.ExitStack() as folder:
+    with contextlib.ExitStack() as undone:
         if figures is not None:
             logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
             from gaitsmith.view.gait_figures import write_gait_figures
 
-            staging = folder.enter_context(new_folder(figures, "--figures"))
+            folder = NewFolder(figures, "--figures")
+            undone.callback(folder.discard)
+            folder.make()
             try:
-                paths = [str(figures / path.name) for path in write_gait_figures(gait, robot, staging)]
+                paths = [str(path) for path in write_gait_figures(gait, robot, figures)]
             except GaitsmithError:
                 raise
             except Exception as error:  # the plan is worth more than its figures
                 say(f"no figures: {type(error).__name__}: {error}")
-                folder.pop_all().__exit__(type(error), error, error.__traceback__)
-        last.enter_context(uninterrupted())
-        if out is not None:
-            write_gait(out, gait)
+                folder.discard()
+        with uninterrupted():
+            if out is not None:
+                write_gait(out, gait)
+            undone.pop_all()
     return paths

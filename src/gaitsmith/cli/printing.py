@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import sys
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Iterable
 from typing import NoReturn
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Table
+from rich.table import Table as RichTable
 
-from gaitsmith.cli.dispatch import printable
+from gaitsmith.cli.dispatch import Styled, Table, printable
 
 _WIDE = 140  # columns when the output is no terminal
 
@@ -36,22 +35,14 @@ class Printer(Console):
         raise BrokenPipeError
 
 
-def table(
-    headings: Sequence[str],
-    rows: Iterable[Sequence[str]],
-    left: Sequence[int] = (0,),
-    title: str = "",
-    red: Container[str] = (),
-) -> Table:
-    """A table of words; the columns numbered in ``left`` hold words, the others numbers; rows named in ``red`` are."""
-    made = Table(box=SIMPLE_HEAD, title=title or None, title_justify="left")
-    for index, heading in enumerate(headings):
-        made.add_column(heading, justify="left" if index in left else "right")
-    for row in rows:
-        made.add_row(*row, style="red" if row[0] in red else None)
-    return made
-
-
-def figure(value: float | None, form: str) -> str:
-    """A number as :func:`format` writes it, or a dash for one that does not exist."""
-    return "-" if value is None or not math.isfinite(value) else format(value, form)
+def print_rich(item: Table | Styled) -> None:
+    """Print a table or a styled line on stdout."""
+    if isinstance(item, Styled):
+        Printer().print(item.line, style=item.style, soft_wrap=True)
+        return
+    made = RichTable(box=SIMPLE_HEAD, title=item.title or None, title_justify="left")
+    for index, heading in enumerate(item.headings):
+        made.add_column(heading, justify="left" if index in item.left else "right")
+    for row in item.rows:
+        made.add_row(*row, style="red" if row[0] in item.red else None)
+    Printer().print(made)

@@ -94,7 +94,8 @@ def check(words: list[str], program: str) -> Outcome:
 
 def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
     """Legs, limits and assumptions as tables."""
-    from gaitsmith.cli.printing import Printer, table
+    from gaitsmith.cli.dispatch import Table
+    from gaitsmith.cli.printing import Printer, print_rich
 
     console = Printer()
     console.print(f"{robot.card.name}: {robot.card.description}")
@@ -107,7 +108,7 @@ def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
         (name, *(f"{value:g}" for value in (*limit["position"], limit["velocity"], limit["torque"])))
         for name, limit in document["limits"].items()
     ]
-    console.print(table(("joint", "from", "to", "speed\nper s", "torque\nN·m"), rows))
+    print_rich(Table(("joint", "from", "to", "speed\nper s", "torque\nN·m"), rows))
     console.print(f"presets: {', '.join(document['presets'])}")
     for assumption in robot.card.assumptions:
         console.print(f"assumed: {assumption.what}: {assumption.value} ({assumption.why})")

@@ -1,22 +1,20 @@
 """Where results go: refused before the work if it cannot be written, complete afterwards.
 
-The folder of figures appears once it is complete. The folder of a run is there from the first tick on, so that whatever
-ends the run leaves what it had done.
+The folder of a run is there from the first tick on, so that whatever ends the run leaves what it had done.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import shutil
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
+from gaitsmith.documents import toml
 from gaitsmith.errors import BadInput
-from gaitsmith.files import lock, regular_target, why_unwritable, write_text_atomic
+from gaitsmith.files import lock, reason, regular_target, why_unwritable, write_text_atomic
 
 if TYPE_CHECKING:
     from gaitsmith.simulation import Scenario, Summary
@@ -43,19 +41,12 @@ def check_file(name: str, inputs: Iterable[str] = (), field: str = "--out") -> P
     except BadInput as error:
         raise BadInput(field, name, error.valid, f"that is {error.value}") from None
     for given in inputs:
-        if _same(given, target):
-            raise BadInput(field, name, f"another file than {given}, which is read", "choose another name")
-    reason = why_unwritable(target.parent)
-    if reason:
-        raise BadInput(field, name, "a file in a folder that can be written", f"{target.parent}: {reason}")
+        with contextlib.suppress(OSError, ValueError):
+            if os.path.samefile(given, target):
+                raise BadInput(field, name, f"another file than {given}, which is read", "choose another name")
+    if why := why_unwritable(target.parent):
+        raise BadInput(field, name, "a file in a folder that can be written", f"{target.parent}: {why}")
     return target
-
-
-def _same(given: str, target: Path) -> bool:
-    try:
-        return os.path.samefile(given, target)
-    except (OSError, ValueError):
-        return False
 
 
 def check_new_folder(name: str, field: str = "--out") -> Path:
@@ -70,62 +61,29 @@ def check_new_folder(name: str, field: str = "--out") -> Path:
     except FileNotFoundError:
         pass
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise BadInput(field, name, "a folder that can be created", reason.lower()) from None
+        raise BadInput(field, name, "a folder that can be created", reason(error)) from None
     else:
         raise BadInput(field, name, _NEW, "choose another name")
     parent = next(above for above in folder.parents if os.path.lexists(above))
-    reason = why_unwritable(parent)
-    if reason:
-        raise BadInput(field, name, "a folder whose parent can be written", f"{parent}: {reason}; choose another place")
+    if why := why_unwritable(parent):
+        raise BadInput(field, name, "a folder whose parent can be written", f"{parent}: {why}; choose another place")
     return folder
 
 
-@contextlib.contextmanager
-def new_folder(folder: Path, field: str = "--out") -> Iterator[Path]:
-    """A hidden folder to write into; it takes its final name when everything is written.
-
-    Raises:
-        BadInput: it cannot be written, or somebody else has taken the name meanwhile.
-    """
-    missing = [above for above in folder.parents if not above.exists()]
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name[:60]}.", dir=folder.parent))
-    except OSError as error:
-        raise BadInput(field, str(folder), "a folder that can be created", (error.strerror or "").lower()) from None
-    try:
-        yield staging
-    except BaseException:
-        shutil.rmtree(staging, ignore_errors=True)
-        with contextlib.suppress(OSError):
-            for above in missing:
-                above.rmdir()
-        raise
-    mask = os.umask(0)
-    os.umask(mask)
-    staging.chmod(0o777 & ~mask)  # the temporary folder was private
-    try:
-        if os.path.lexists(folder):
-            raise FileExistsError
-        staging.rename(folder)
-    except OSError:
-        raise BadInput(field, str(folder), _NEW, f"the run is kept in {staging}") from None
-
-
-class RunFolder:
-    """The folder of one run, made when its log begins.
+class NewFolder:
+    """A folder, made with the parents that it lacks; all of them go again if nothing comes of it.
 
     Args:
         path: of the folder.
+        field: the flag.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, field: str = "--out") -> None:
+        self.path, self._field = path, field
         self._made: list[Path] = []
 
-    def log(self) -> BinaryIO:
-        """Make the folder and the file of the log; the file is locked as long as it is open.
+    def make(self) -> None:
+        """Make it.
 
         Raises:
             BadInput: it cannot be made, or somebody else has taken the name meanwhile.
@@ -135,17 +93,22 @@ class RunFolder:
                 if above == self.path or not above.exists():
                     above.mkdir()
                     self._made.append(above)
-            file = open(self.path / LOG, "x+b", buffering=0)  # noqa: SIM115 - the run closes it
         except FileExistsError:
-            raise BadInput("--out", str(self.path), _NEW, "choose another name") from None
+            raise BadInput(self._field, str(self.path), _NEW, "choose another name") from None
         except OSError as error:
-            reason = (error.strerror or "").lower()
-            raise BadInput("--out", str(self.path), "a folder that can be created", reason) from None
+            raise BadInput(self._field, str(self.path), "a folder that can be created", reason(error)) from None
+
+    def log(self) -> BinaryIO:
+        """Make it, and the file of a run's log, which is locked as long as it is open."""
+        from gaitsmith.log.record import new_file
+
+        self.make()
+        file = new_file(self.path / LOG)
         lock(file)
         return file
 
     def discard(self) -> None:
-        """Remove what :meth:`log` has made: nothing was recorded."""
+        """Remove what was made."""
         if self.path in self._made:
             shutil.rmtree(self.path, ignore_errors=True)
         with contextlib.suppress(OSError):
@@ -165,20 +128,4 @@ def write_summary(folder: Path, summary: Summary) -> None:
 def scenario_toml(scenario: Scenario) -> str:
     """TOML text that :func:`gaitsmith.simulation.load_scenario` turns into the same scenario, every digit kept."""
     fields = scenario.model_dump(mode="json", exclude_none=True)
-    tables = {name: value for name, value in fields.items() if isinstance(value, dict)}
-    lists = {name: value for name, value in fields.items() if name in ("changes", "pushes")}
-    parts = [_table({name: value for name, value in fields.items() if name not in tables and name not in lists})]
-    parts += [f"[{name}]\n{_table(value)}" for name, value in tables.items()]
-    parts += [f"[[{name}]]\n{_table(entry)}" for name, value in lists.items() for entry in value]
-    return "\n".join(parts)
-
-
-def _table(fields: Mapping[str, Any]) -> str:
-    return "".join(f"{name} = {_value(value)}\n" for name, value in fields.items())
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    text = json.dumps(value, ensure_ascii=False)
-    return text.replace("\x7f", "\\u007f") if isinstance(value, str) else text
+    return "".join(f"{name} = {toml(value)}\n" for name, value in fields.items())

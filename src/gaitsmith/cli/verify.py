@@ -9,6 +9,7 @@ from pydantic import Field
 from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, FELL, Outcome
 from gaitsmith.cli.inputs import planned_gait
+from gaitsmith.cli.plan_report import verdict_lines
 from gaitsmith.documents import About
 
 
@@ -33,10 +34,4 @@ def verify(words: list[str], program: str) -> Outcome:
     if not intact:
         verdict.problems.insert(0, "the file was edited: its checksum does not hold")
     document = verdict.as_dict() | {"file": arguments.gait, "robot": robot.card.name, "motion": gait.motion.name}
-
-    def show() -> None:
-        from gaitsmith.cli.plan_report import print_verdict
-
-        print_verdict(document)
-
-    return Outcome(DONE if verdict.ok else FELL, document, show)
+    return Outcome(DONE if verdict.ok else FELL, document, verdict_lines(document))

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, parse
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
 from gaitsmith.cli.interrupts import stop_if_heard
-from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, RunFolder, check_new_folder, scenario_toml, write_summary
+from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, NewFolder, check_new_folder, scenario_toml, write_summary
+from gaitsmith.cli.walk_report import report
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted, write_text_atomic
@@ -56,13 +57,7 @@ def walk(words: list[str], program: str) -> Outcome:
                 _draw(folder, simulation)
         code = INTERRUPTED if episode.interrupted else FELL if summary.fell else DONE
         document = summary.model_dump(mode="json") | {"out": str(folder) if folder else None}
-
-    def show() -> None:
-        from gaitsmith.cli.walk_report import print_report
-
-        print_report(summary, simulation.robot, folder)
-
-    return Outcome(code, document, show)
+    return Outcome(code, document, report(summary, simulation.robot, folder))
 
 
 def scenario_from(arguments: _Walk) -> Scenario:
@@ -105,7 +100,7 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
     from gaitsmith.simulation import Simulation
 
     simulation = None
-    made = None if folder is None else RunFolder(folder)
+    made = None if folder is None else NewFolder(folder)
     with Display("loading (the first time compiles)") as display:
         try:
             simulation = Simulation(scenario, record=made.log if made else False)

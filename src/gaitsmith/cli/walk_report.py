@@ -1,37 +1,36 @@
-"""A run's summary as tables for people."""
+"""A run's summary for people."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rich.table import Table
-from rich.text import Text
+from gaitsmith.cli.dispatch import Styled, Table, Text
 
-from gaitsmith.cli.printing import Printer, table
-from gaitsmith.robots import Robot
-from gaitsmith.simulation import Summary
-from gaitsmith.simulation.summary import Stage, Tracking
+if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
+    from gaitsmith.simulation import Summary
+    from gaitsmith.simulation.summary import Stage, Tracking
 
 
-def print_report(summary: Summary, robot: Robot, folder: Path | None) -> None:
-    """Print stages, torques against limits, times, and what went wrong, to stdout."""
-    console = Printer()
+def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text]:
+    """Stages, torques against limits, times, and what went wrong."""
     headings = (
         *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
         *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
     )
     title = f"{summary.robot}, preset {summary.preset}, {summary.state} state, {summary.terrain}"
-    console.print(table(headings, map(_stage_row, summary.stages), left=(), title=title))
-    console.print(_joint_table(summary, robot))
-    for line in closing_lines(summary):
-        console.print(line)
+    yield Table(headings, map(_stage_row, summary.stages), left=(), title=title)
+    yield _joint_table(summary, robot)
+    yield from closing_lines(summary)
     if summary.fall is not None:
         fall = summary.fall
-        console.print(Text(f"FELL at {fall.time:.2f} s, {fall.phase}: {fall.reason}", style="bold red"))
+        yield Styled(f"FELL at {fall.time:.2f} s, {fall.phase}: {fall.reason}", "bold red")
     if summary.interrupted:
-        console.print(Text(f"interrupted after {summary.duration:.2f} s", style="bold yellow"))
+        yield Styled(f"interrupted after {summary.duration:.2f} s", "bold yellow")
     if folder is not None:
-        console.print(f"written to {folder}", soft_wrap=True)
+        yield f"written to {folder}"
 
 
 def _stage_row(stage: Stage) -> tuple[str, ...]:
@@ -58,21 +57,15 @@ def _joint_table(summary: Summary, robot: Robot) -> Table:
         *("joint", "torque\nN·m", "limit\nN·m", "of limit", "at limit\nof ticks", "largest step\nN·m in 1 tick"),
         *("speed\nrad/s", "limit\nrad/s", "over limit\nof ticks"),
     )
-    rows = [
-        (
-            *(
-                name,
-                f"{summary.torque_peak[name]:.1f}",
-                f"{most:.0f}",
-                f"{100 * summary.torque_peak[name] / most:.0f} %",
-            ),
-            *(f"{100 * summary.torque_saturated[name]:.2f} %", f"{summary.torque_step_max[name]:.1f}"),
-            *(f"{summary.velocity_peak[name]:.2f}", f"{fastest:.1f}", f"{100 * summary.velocity_over[name]:.2f} %"),
-        )
-        for name, most, fastest in zip(robot.joint_names, robot.torque_limit, robot.velocity_limit, strict=True)
-    ]
+    rows = []
+    for name, most, fastest in zip(robot.joint_names, robot.torque_limit, robot.velocity_limit, strict=True):
+        peak = summary.torque_peak[name]
+        torque = (f"{peak:.1f}", f"{most:.0f}", f"{100 * peak / most:.0f} %")
+        steps = (f"{100 * summary.torque_saturated[name]:.2f} %", f"{summary.torque_step_max[name]:.1f}")
+        speed = (f"{summary.velocity_peak[name]:.2f}", f"{fastest:.1f}", f"{100 * summary.velocity_over[name]:.2f} %")
+        rows.append((name, *torque, *steps, *speed))
     over = {name for shares in (summary.torque_saturated, summary.velocity_over) for name in shares if shares[name]}
-    return table(headings, rows, title="joints", red=over)
+    return Table(headings, rows, title="joints", red=over)
 
 
 def closing_lines(summary: Summary) -> list[str]:

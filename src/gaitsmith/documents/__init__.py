@@ -9,6 +9,7 @@ from gaitsmith.documents.reading import checked as checked
 from gaitsmith.documents.reading import parse_json as parse_json
 from gaitsmith.documents.reading import parse_toml as parse_toml
 from gaitsmith.documents.reading import read_toml as read_toml
+from gaitsmith.documents.reading import toml as toml
 from gaitsmith.documents.refusal import nearest as nearest
 from gaitsmith.documents.refusal import plain as plain
 from gaitsmith.documents.refusal import span as span

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -68,6 +69,15 @@ def _check_keys(text: str, source: str) -> None:
                 raise BadInput(source, "a dotted key of more parts", f"keys of at most {KEY_PARTS} parts")
         elif kind == "end" or token[0][0] == "#":
             dots = 0
+
+
+def toml(value: Any) -> str:
+    """A value as TOML writes it, tables inline and every digit kept."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{toml(name)} = {toml(item)}" for name, item in value.items()) + " }"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def parse_json(content: bytes) -> Any:
