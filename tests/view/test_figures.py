@@ -10,6 +10,7 @@ import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.log import Log
+from gaitsmith.robots.sole import Sole
 from gaitsmith.view import FIGURES, Recording, draw_speed, draw_timing, draw_torques, write_figures
 
 PERIOD, WIDTH = 0.4, 0.0375
@@ -68,7 +69,7 @@ def made_up_walk(seconds: float = 12.0, rate: float = 500.0, samples: int | None
                 name=side,
                 joints=joints[4 * k : 4 * k + 4],
                 joint_indices=np.arange(4 * k, 4 * k + 4),
-                sole=SimpleNamespace(heel=0.08, toe=0.14, half_width=0.0),
+                sole=Sole(kind="line", heel=0.08, toe=0.14),
             )
             for k, side in enumerate(("left", "right"))
         ],

@@ -10,16 +10,19 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gaitsmith.files import write_bytes_atomic
+from gaitsmith.robots.sole import Sole
 from gaitsmith.view.recording import Recording
 
 # Okabe and Ito's palette: told apart by every kind of colour vision, and in grey.
 COMMAND, LEFT, RIGHT, THIRD = "#000000", "#0072B2", "#D55E00", "#009E73"
 LIMIT, BAND, GRID = "#999999", "#F1F3F5", "#D9DDE1"
 WIDTH, DPI = 10.0, 160  # inches and dots per inch: 1600 pixels wide
+_LINE_SOLE = 0.012  # m: half the width a line sole is drawn with
 _POINTS = 4000  # samples drawn per curve: more than the pixels across
 
 STYLE: dict[Any, Any] = {
@@ -83,6 +86,9 @@ def above(axis: Axes, columns: int) -> None:
     axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, handlelength=1.8, columnspacing=1.2)
 
 
-def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
+def sole_corners(sole: Sole) -> npt.NDArray[np.float64]:
+    """(n, 2) corners of a sole in its own frame, m; a line is given a width that can be seen."""
+    if sole.half_width > 0.0:
+        return sole.corners
+    wide = np.array([0.0, _LINE_SOLE])
+    return np.concatenate([sole.corners - wide, sole.corners[::-1] + wide])

@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from gaitsmith.view.canvas import COMMAND, LEFT, RIGHT, THIRD, above, figure, sampled
+from gaitsmith.view.canvas import COMMAND, LEFT, RIGHT, THIRD, above, figure, sampled, sole_corners
 from gaitsmith.view.recording import Array, Recording
 
-_LINE_SOLE = 0.012  # m: half the width a line sole is drawn with
 _PLOT_SHAPE = 2.6  # width over height of the plot, to find the scale of its axes
 _ALIKE = 1.5  # a larger ratio of the scales is drawn as it is, and said
 _GAP = 0.05  # m: a ZMP that jumps farther starts a new curve
@@ -22,10 +21,11 @@ def draw_footprints(recording: Recording) -> Figure:
     with figure(f"{recording.title}: footprints from above", 4.8) as made:
         axis = made.subplots()
         for side, colour in enumerate((LEFT, RIGHT)):
-            at = _stances(recording, side)
-            corners = [_outline(recording, side, index) for index in at]
-            axis.add_collection(PolyCollection(corners, facecolors=f"{colour}55", edgecolors=colour, linewidths=1.0))
-            axis.plot([], [], color=colour, linewidth=4.0, alpha=0.6, label=f"{recording.robot.legs[side].name} sole")
+            leg = recording.robot.legs[side]
+            shape = sole_corners(leg.sole)
+            places = [_placed(recording, side, np.array([index]), shape) for index in _stances(recording, side)]
+            axis.add_collection(PolyCollection(places, facecolors=f"{colour}55", edgecolors=colour, linewidths=1.0))
+            axis.plot([], [], color=colour, linewidth=4.0, alpha=0.6, label=f"{leg.name} sole")
         zmp = _zmp_path(recording)
         axis.plot(zmp[:, 0], zmp[:, 1], color=THIRD, linewidth=1.4, zorder=3, label="planned ZMP")
         path = recording.torso_position[sampled(recording)]
@@ -59,14 +59,6 @@ def _stances(recording: Recording, side: int) -> list[int]:
     standing = (recording.stance == side) | (recording.stance == 2)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], standing, [False]]).astype(int)))
     return [int(a + (b - a) // 2) for a, b in edges.reshape(-1, 2)]
-
-
-def _outline(recording: Recording, side: int, index: int) -> Array:
-    """Corners of a sole in the world, (4, 2)."""
-    sole = recording.robot.legs[side].sole
-    half = sole.half_width or _LINE_SOLE
-    corners = np.array([(-sole.heel, -half), (sole.toe, -half), (sole.toe, half), (-sole.heel, half)])
-    return _placed(recording, side, np.array([index]), corners)
 
 
 def _placed(recording: Recording, side: int, index: npt.NDArray[np.int64], points: Array) -> Array:

@@ -8,7 +8,6 @@ from matplotlib.artist import Artist
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.projections.polar import PolarAxes
 
@@ -37,60 +36,40 @@ def draw_push_map(title: str, seconds: npt.ArrayLike, limit: float) -> Figure:
         raise BadInput("seconds", times.shape, "a row per direction and a column per phase")
     if not limit > 0.0:
         raise BadInput("limit", limit, "more than 0 s")
-    stood = times >= limit - 1e-9
-    run = int(np.count_nonzero(np.isfinite(times)))
-    with figure(f"{title}: {np.count_nonzero(stood)} of {run} survived", 6.4) as made:
+    stood, run = times >= limit - 1e-9, np.isfinite(times)
+    with figure(f"{title}: {np.count_nonzero(stood)} of {np.count_nonzero(run)} survived", 6.4) as made:
         axis = made.add_subplot(projection="polar")
         assert isinstance(axis, PolarAxes)
-        _cells(axis, times, stood, limit)
-        _labels(axis, *times.shape)
-        _key(made, axis, limit, bool(np.any(~stood & np.isfinite(times))), run < times.size)
+        shades = LinearSegmentedColormap.from_list("fall", [_FELL, _LATE])
+        n_directions, n_phases = times.shape
+        width, height = 2.0 * np.pi / n_directions, (1.0 - _HUB) / n_phases
+        for (i, k), time in np.ndenumerate(times):
+            colour = _STOOD if stood[i, k] else shades(time / limit) if run[i, k] else _NOT_RUN
+            place = (i * width, height, width, _HUB + k * height)
+            axis.bar(*place, color=colour, edgecolor="white", linewidth=1.0, zorder=2)
+        _label(axis, n_directions)
+        marks: list[Artist] = [Patch(facecolor=_STOOD, label=f"upright for {limit:g} s")]
+        if not run.all():
+            marks.append(Patch(facecolor=_NOT_RUN, edgecolor=LIMIT, label="not run"))
+        if n_phases % 2 == 0:  # the right stance begins half way
+            around = np.linspace(0.0, 2.0 * np.pi, 200)
+            half = np.full(200, _HUB + height * n_phases / 2)
+            marks += axis.plot(around, half, color="black", lw=0.8, zorder=3, label="right stance begins")
+        if np.any(~stood & run):
+            scale = ScalarMappable(Normalize(0.0, limit), shades)
+            made.colorbar(scale, ax=axis, label="fell after the push, s", shrink=0.6, pad=0.12)
+        made.legend(handles=marks, loc="outside lower right")
     return made
 
 
-def _cells(axis: PolarAxes, times: npt.NDArray[np.float64], stood: npt.NDArray[np.bool_], limit: float) -> None:
-    """One coloured cell per push."""
-    n_directions, n_phases = times.shape
-    width, height = 2.0 * np.pi / n_directions, (1.0 - _HUB) / n_phases
-    shades = _shades()
-    for i in range(n_directions):
-        for k in range(n_phases):
-            colour = _STOOD if stood[i, k] else shades(times[i, k] / limit) if np.isfinite(times[i, k]) else _NOT_RUN
-            axis.bar(
-                i * width, height, width, _HUB + k * height, color=colour, edgecolor="white", linewidth=1.0, zorder=2
-            )
-
-
-def _labels(axis: PolarAxes, n_directions: int, n_phases: int) -> None:
+def _label(axis: PolarAxes, n_directions: int) -> None:
     """Forward is up and left is left, as seen from above."""
     axis.set_theta_zero_location("N")
     axis.set_ylim(0.0, 1.0)
     axis.grid(visible=False)
     axis.spines["polar"].set_visible(False)
     names = {0: "forward", 90: "left", 180: "back", 270: "right"}
-    degrees = np.arange(n_directions) * 360.0 / n_directions
-    axis.set_xticks(
-        np.radians(degrees).tolist(), [names.get(round(angle, 6), f"{angle:g}°") for angle in degrees.tolist()]
-    )
+    degrees = (np.arange(n_directions) * 360.0 / n_directions).tolist()
+    axis.set_xticks(np.radians(degrees).tolist(), [names.get(round(angle, 6), f"{angle:g}°") for angle in degrees])
     axis.set_yticks([])
-    height = (1.0 - _HUB) / n_phases
     axis.text(0.0, 0.0, "phase of\nthe stride\ninside 0,\noutside 1", ha="center", va="center", fontsize=9.0)
-    if n_phases % 2 == 0:  # the right stance begins half way
-        around = np.linspace(0.0, 2.0 * np.pi, 200)
-        axis.plot(around, np.full(200, _HUB + height * n_phases / 2), color="black", linewidth=0.8, zorder=3)
-
-
-def _key(made: Figure, axis: PolarAxes, limit: float, fell: bool, missing: bool) -> None:
-    """What the colours mean."""
-    if fell:
-        scale = ScalarMappable(Normalize(0.0, limit), _shades())
-        made.colorbar(scale, ax=axis, label="fell after the push, s", shrink=0.6, pad=0.12)
-    marks: list[Artist] = [Patch(facecolor=_STOOD, label=f"upright for {limit:g} s")]
-    if missing:
-        marks.append(Patch(facecolor=_NOT_RUN, edgecolor=LIMIT, label="not run"))
-    marks.append(Line2D([], [], color="black", linewidth=0.8, label="right stance begins"))
-    made.legend(handles=marks, loc="outside lower right")
-
-
-def _shades() -> LinearSegmentedColormap:
-    return LinearSegmentedColormap.from_list("fall", [_FELL, _LATE])

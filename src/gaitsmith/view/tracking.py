@@ -2,42 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, mark_stages, rms, sampled
+from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, mark_stages, sampled
 from gaitsmith.view.recording import Array, Recording
 
 _GAIT_WINDOW = 3.0  # s: a few strides
 _BINS = 80  # of the histogram of durations
 
 
-def _over_time(axes: Sequence[Axes], time: Array) -> None:
-    """The axis of time, below all panels."""
-    axes[-1].set_xlabel("time, s")
-    axes[-1].set_xlim(float(time[0]), float(time[-1]))
+@contextmanager
+def _panels(
+    recording: Recording, what: str, time: Array, height: float, ratios: tuple[float, ...]
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """A figure of panels over one axis of time."""
+    with figure(f"{recording.title}: {what}", height) as made:
+        axes = list(np.atleast_1d(made.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)))
+        yield made, axes
+        axes[-1].set_xlabel("time, s")
+        axes[-1].set_xlim(float(time[0]), float(time[-1]))
+
+
+def _pair(axis: Axes, time: Array, actual: Array, wanted: Array, name: str = "commanded") -> None:
+    """What was, and what was asked for."""
+    axis.plot(time, actual, color=LEFT, label="actual", linewidth=1.0)
+    axis.plot(time, wanted, color=COMMAND, label=name, linestyle="--")
 
 
 def draw_speed(recording: Recording) -> Figure:
     """Commanded and actual CoM speed, and the torso's roll and pitch below (Fig. 5)."""
     at = sampled(recording)
     time = recording.time[at]
-    with figure(f"{recording.title}: speed and attitude", 7.5) as made:
-        axes = forward, lateral, attitude = made.subplots(3, 1, sharex=True, height_ratios=(2.2, 1.2, 1.2))
-        for column, (axis, name) in enumerate(((forward, "forward"), (lateral, "lateral"))):
-            axis.plot(time, recording.speed[at, column], color=LEFT, label="actual", linewidth=1.0)
-            axis.plot(time, recording.speed_command[at, column], color=COMMAND, label="commanded", linestyle="--")
-            axis.set_ylabel(f"{name}\nm/s")
+    with _panels(recording, "speed and attitude", time, 7.5, (2.2, 1.2, 1.2)) as (made, axes):
+        for column, name in enumerate(("forward", "lateral")):
+            _pair(axes[column], time, recording.speed[at, column], recording.speed_command[at, column])
+            axes[column].set_ylabel(f"{name}\nm/s")
         for column, (name, colour) in enumerate((("roll", RIGHT), ("pitch", THIRD))):
-            attitude.plot(time, np.degrees(recording.tilt[at, column]), color=colour, label=name, linewidth=1.0)
-        attitude.set_ylabel("torso tilt\n°")
-        _over_time(axes, time)
-        above(forward, 2)
-        above(attitude, 2)
+            axes[2].plot(time, np.degrees(recording.tilt[at, column]), color=colour, label=name, linewidth=1.0)
+        axes[2].set_ylabel("torso tilt\n°")
+        above(axes[0], 2)
+        above(axes[2], 2)
         mark_stages(axes, recording)
     return made
 
@@ -46,17 +56,14 @@ def draw_height(recording: Recording) -> Figure:
     """Commanded and actual height of the hip midpoint above the stance sole (Fig. 7)."""
     at = sampled(recording)
     time, wanted = recording.time[at], recording.height_command
-    with figure(f"{recording.title}: hip height above the stance sole", 4.2) as made:
-        axis = made.subplots()
-        axis.plot(time, recording.height[at], color=LEFT, label="actual", linewidth=1.0)
-        axis.plot(time, wanted[at], color=COMMAND, label="commanded", linestyle="--")
+    with _panels(recording, "hip height above the stance sole", time, 4.2, (1.0,)) as (made, axes):
+        _pair(axes[0], time, recording.height[at], wanted[at])
         middle = 0.5 * (wanted.min() + wanted.max())
         half = max(0.05, 0.75 * float(np.ptp(wanted)))  # a few mm must not fill the plot
         half = max(half, min(float(np.max(np.abs(recording.height - middle))), 0.3))
-        axis.set(ylabel="height, m", ylim=(middle - half, middle + half))
-        _over_time([axis], time)
-        above(axis, 2)
-        mark_stages([axis], recording)
+        axes[0].set(ylabel="height, m", ylim=(middle - half, middle + half))
+        above(axes[0], 2)
+        mark_stages(axes, recording)
     return made
 
 
@@ -65,16 +72,13 @@ def draw_joints(recording: Recording) -> Figure:
     at = sampled(recording, recording.window(_GAIT_WINDOW))
     time, leg = recording.time[at], recording.robot.legs[0]
     rows = len(leg.joints)
-    with figure(f"{recording.title}: joints of the {leg.name} leg", 1.2 + 1.5 * rows) as made:
-        axes = list(np.atleast_1d(made.subplots(rows, 1, sharex=True)))
+    with _panels(recording, f"joints of the {leg.name} leg", time, 1.2 + 1.5 * rows, (1.0,) * rows) as (made, axes):
         for axis, joint, name in zip(axes, leg.joint_indices, leg.joints, strict=True):
-            desired, actual = recording.joint_desired[at, joint], recording.joint_position[at, joint]
-            axis.plot(time, np.degrees(actual), color=LEFT, label="actual")
-            axis.plot(time, np.degrees(desired), color=COMMAND, label="desired", linestyle="--", linewidth=1.2)
+            wanted, actual = (np.degrees(a[at, joint]) for a in (recording.joint_desired, recording.joint_position))
+            _pair(axis, time, actual, wanted, "desired")
             axis.set_ylabel("angle, °")
-            axis.set_title(f"{name}   rms error {np.degrees(rms(desired - actual)):.2f}°")
+            axis.set_title(f"{name}   rms error {np.sqrt(np.mean((wanted - actual) ** 2)):.2f}°")
         above(axes[0], 2)
-        _over_time(axes, time)
     return made
 
 
@@ -82,18 +86,15 @@ def draw_feet(recording: Recording) -> Figure:
     """Desired and actual sole positions relative to the hip midpoint over a few strides (Fig. 9)."""
     at = sampled(recording, recording.window(_GAIT_WINDOW))
     time = recording.time[at]
-    with figure(f"{recording.title}: soles relative to the hip midpoint, heading frame", 7.5) as made:
-        axes = made.subplots(3, 1, sharex=True)
+    what = "soles relative to the hip midpoint, heading frame"
+    with _panels(recording, what, time, 7.5, (1.0,) * 3) as (made, axes):
         for row, (axis, name) in enumerate(zip(axes, ("x, forward", "y, left", "z, up"), strict=True)):
-            for leg, colour, wanted, column in zip(
-                recording.robot.legs, (LEFT, RIGHT), (None, "desired"), (row, 3 + row), strict=True
-            ):
-                axis.plot(time, recording.foot_actual[at, column], color=colour, label=f"{leg.name}, actual")
-                desired = recording.foot_desired[at, column]
-                axis.plot(time, desired, color=COMMAND, label=wanted, linestyle="--", linewidth=1.2)
+            for side, (leg, colour) in enumerate(zip(recording.robot.legs, (LEFT, RIGHT), strict=True)):
+                axis.plot(time, recording.foot_actual[at, 3 * side + row], color=colour, label=f"{leg.name}, actual")
+                desired = recording.foot_desired[at, 3 * side + row]
+                axis.plot(time, desired, color=COMMAND, label="desired" if side else None, linestyle="--", lw=1.2)
             axis.set_ylabel(f"{name}\nm")
         above(axes[0], 3)
-        _over_time(axes, time)
     return made
 
 
@@ -103,20 +104,17 @@ def draw_torques(recording: Recording) -> Figure:
     time, robot = recording.time[at], recording.robot
     left, right = robot.legs
     rows = len(left.joints)
-    with figure(f"{recording.title}: joint torques and their limits", 1.2 + 1.6 * rows) as made:
-        axes = list(np.atleast_1d(made.subplots(rows, 1, sharex=True)))
+    with _panels(recording, "joint torques and their limits", time, 1.2 + 1.6 * rows, (1.0,) * rows) as (made, axes):
         for axis, a, b in zip(axes, left.joint_indices, right.joint_indices, strict=True):
             axis.plot(time, recording.torque[at, a], color=LEFT, label="left", linewidth=0.7)
             axis.plot(time, recording.torque[at, b], color=RIGHT, label="right", linewidth=0.7, alpha=0.8)
             limit = float(max(robot.torque_limit[a], robot.torque_limit[b]))
             for bound in (-limit, limit):
                 axis.axhline(bound, color=LIMIT, linestyle=":", label="limit" if bound > 0 else None)
-            axis.set_ylim(-1.12 * limit, 1.12 * limit)
-            axis.set_ylabel("N·m")
+            axis.set(ylim=(-1.12 * limit, 1.12 * limit), ylabel="N·m")
             names = f"{robot.joint_names[a]}, {robot.joint_names[b]}"
             axis.set_title(f"{names}   limit {limit:.0f} N·m", fontsize=11.0)
         above(axes[0], 3)
-        _over_time(axes, time)
     return made
 
 
