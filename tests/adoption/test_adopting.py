@@ -9,8 +9,8 @@ import pytest
 from tests.adoption.made_up import MadeUp
 
 from gaitsmith.adoption import adopting
-from gaitsmith.adoption.card_text import toml
 from gaitsmith.cli import main
+from gaitsmith.documents import toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 
 from gaitsmith.adoption.anatomy import Anatomy, LegFound
 from gaitsmith.adoption.soles import SoleFound
+from gaitsmith.documents import toml
 
 Array = NDArray[np.float64]
 _DIGITS = 5
@@ -159,23 +158,6 @@ def _rpy(rotation: Array) -> list[float]:
 
 def _lines(entries: Sequence[Entry]) -> list[str]:
     return [f"{e.entry} = {toml(e.value)}" + (f"  # {_plain(e.source)}" if e.source else "") for e in entries]
-
-
-def toml(value: Any) -> str:
-    """A value as TOML writes it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(name)} = {toml(item)}" for name, item in value.items()) + " }"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(toml, value)) + "]"
-    return repr(value)
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name, ensure_ascii=False)
 
 
 def _plain(text: str) -> str:

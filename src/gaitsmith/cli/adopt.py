@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
 from gaitsmith.cli.arguments import Arguments, Jobs, Positional, parse
-from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome
+from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome, Table, Text
 from gaitsmith.documents import About
 
 if TYPE_CHECKING:
@@ -79,34 +80,29 @@ def adopt(words: list[str], program: str) -> Outcome:
 
         adoption = run(Wishes(**given, sole=sole, sheet=not options.no_sheet), advance)
     code = BAD_INPUT if adoption.card is None else DONE if adoption.ok else FELL
-    return Outcome(code, adoption.document, lambda: _show(adoption))
+    return Outcome(code, adoption.document, _lines(adoption))
 
 
-def _show(adoption: Adoption) -> None:
+def _lines(adoption: Adoption) -> Iterator[Text]:
     """Legs, tests and sheet; what to do next."""
-    from gaitsmith.cli.printing import Printer, table
-
-    console = Printer()
     document = adoption.document
     for leg in document["legs"]:
         pairs = zip(leg["joints"], leg["roles"], strict=True)
-        console.print(f"{leg['name']} leg: {', '.join(f'{name} ({role})' for name, role in pairs)}")
-    for entry in document["assumed"]:
-        console.print(f"assumed: {entry['entry']} = {entry['value']}: {entry['from']}")
-    for note in document["notes"]:
-        console.print(f"note: {note}")
+        yield f"{leg['name']} leg: {', '.join(f'{name} ({role})' for name, role in pairs)}"
+    yield from (f"assumed: {entry['entry']} = {entry['value']}: {entry['from']}" for entry in document["assumed"])
+    yield from (f"note: {note}" for note in document["notes"])
     for asked in document["asked"]:
-        console.print(f"not written: {adoption.reason}")
-        console.print(f"give {asked['flag']}, for example {' or '.join(asked['candidates']) or 'as --help says'}")
+        yield f"not written: {adoption.reason}"
+        yield f"give {asked['flag']}, for example {' or '.join(asked['candidates']) or 'as --help says'}"
     for name, test in document["tests"].items():
-        console.print(f"{name}: {'ok' if test['ok'] else 'FAILED'}: {test['words']}")
+        yield f"{name}: {'ok' if test['ok'] else 'FAILED'}: {test['words']}"
     if document["search"]:
-        console.print(f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s")
+        yield f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s"
     if document["sheet"]:
-        console.print(table(("walked", "from", "to"), _rows(document["sheet"])))
+        yield Table(("walked", "from", "to"), _rows(document["sheet"]))
     if adoption.card is not None:
-        console.print(f"written: {adoption.card}", soft_wrap=True)
-        console.print(_advice(adoption), soft_wrap=True)
+        yield f"written: {adoption.card}"
+        yield _advice(adoption)
 
 
 def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:

@@ -17,7 +17,7 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, NamedTuple, TextIO
@@ -63,7 +63,7 @@ class Outcome:
 
     code: int
     document: dict[str, Any]
-    text: Iterable[Text] | Callable[[], object]
+    text: Iterable[Text]
 
 
 @dataclass(frozen=True)
@@ -216,9 +216,9 @@ def printable(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
 
 
-def _print(text: Iterable[Text] | Callable[[], object]) -> None:
+def _print(text: Iterable[Text]) -> None:
     """Plain lines as they are, the rest through the terminal's library."""
-    for item in (text() or ()) if callable(text) else text:  # type: ignore[attr-defined]
+    for item in text:
         if isinstance(item, str):
             sys.stdout.write(printable(item) + "\n")
         else:

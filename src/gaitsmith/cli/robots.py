@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
-from gaitsmith.cli.dispatch import DONE, Outcome, printable
+from gaitsmith.cli.dispatch import DONE, Outcome, Table, Text
 from gaitsmith.cli.inputs import named_robot
 
 if TYPE_CHECKING:
@@ -37,13 +37,9 @@ def list_robots(words: list[str], program: str) -> Outcome:
 
     robots = [load_robot(name) for name in robot_names()]
     entries = [{"name": robot.card.name, "description": robot.card.description, "mass": robot.mass} for robot in robots]
-
-    def show() -> None:
-        width = max((len(robot.card.name) for robot in robots), default=0)
-        for robot in robots:
-            _line(f"{robot.card.name:<{width}}  {robot.mass:6.1f} kg  {robot.card.description}")
-
-    return Outcome(DONE, {"robots": entries}, show)
+    width = max((len(robot.card.name) for robot in robots), default=0)
+    text = [f"{robot.card.name:<{width}}  {robot.mass:6.1f} kg  {robot.card.description}" for robot in robots]
+    return Outcome(DONE, {"robots": entries}, text)
 
 
 def show(words: list[str], program: str) -> Outcome:
@@ -56,7 +52,7 @@ def show(words: list[str], program: str) -> Outcome:
     from gaitsmith.robots import describe
 
     document = describe(robot)
-    return Outcome(DONE, document, lambda: _print_robot(robot, document))
+    return Outcome(DONE, document, _lines(robot, document))
 
 
 def check(words: list[str], program: str) -> Outcome:
@@ -82,39 +78,28 @@ def check(words: list[str], program: str) -> Outcome:
         "standing": angles,
         "notes": list(robot.notes),
     }
-
-    def show() -> None:
-        _line(f"{robot.card.name}: card and model fit; {robot.mass:.3f} kg, {len(robot.joint_names)} joints")
-        _line(f"stands at {gait.height:g} m with {', '.join(f'{name} {value:+.3f}' for name, value in angles.items())}")
-        for note in robot.notes:
-            _line(f"note: {note}")
-
-    return Outcome(DONE, document, show)
+    text = [
+        f"{robot.card.name}: card and model fit; {robot.mass:.3f} kg, {len(robot.joint_names)} joints",
+        f"stands at {gait.height:g} m with {', '.join(f'{name} {value:+.3f}' for name, value in angles.items())}",
+        *(f"note: {note}" for note in robot.notes),
+    ]
+    return Outcome(DONE, document, text)
 
 
-def _print_robot(robot: Robot, document: dict[str, Any]) -> None:
-    """Legs, limits and assumptions as tables."""
-    from gaitsmith.cli.dispatch import Table
-    from gaitsmith.cli.printing import Printer, print_rich
-
-    console = Printer()
-    console.print(f"{robot.card.name}: {robot.card.description}")
-    console.print(f"{robot.mass:.3f} kg, {document['model_path']}", soft_wrap=True)
+def _lines(robot: Robot, document: dict[str, Any]) -> Iterator[Text]:
+    """Legs, limits and assumptions."""
+    yield f"{robot.card.name}: {robot.card.description}"
+    yield f"{robot.mass:.3f} kg, {document['model_path']}"
     for leg in robot.legs:
         sole = leg.sole
         size = f"heel {sole.heel:g} m, toe {sole.toe:g} m" + (f", ±{sole.half_width:g} m" if sole.half_width else "")
-        console.print(f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}")
+        yield f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}"
     rows = [
         (name, *(f"{value:g}" for value in (*limit["position"], limit["velocity"], limit["torque"])))
         for name, limit in document["limits"].items()
     ]
-    print_rich(Table(("joint", "from", "to", "speed\nper s", "torque\nN·m"), rows))
-    console.print(f"presets: {', '.join(document['presets'])}")
+    yield Table(("joint", "from", "to", "speed\nper s", "torque\nN·m"), rows)
+    yield f"presets: {', '.join(document['presets'])}"
     for assumption in robot.card.assumptions:
-        console.print(f"assumed: {assumption.what}: {assumption.value} ({assumption.why})")
-    for note in robot.notes:
-        console.print(f"note: {note}")
-
-
-def _line(words: str) -> None:
-    sys.stdout.write(printable(words) + "\n")
+        yield f"assumed: {assumption.what}: {assumption.value} ({assumption.why})"
+    yield from (f"note: {note}" for note in robot.notes)

@@ -74,10 +74,14 @@ def _check_keys(text: str, source: str) -> None:
 def toml(value: Any) -> str:
     """A value as TOML writes it, tables inline and every digit kept."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{toml(name)} = {toml(item)}" for name, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(name)} = {toml(item)}" for name, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(toml, value)) + "]"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml(name)
 
 
 def parse_json(content: bytes) -> Any:
