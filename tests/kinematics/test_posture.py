@@ -1,5 +1,6 @@
 """The standing posture stands: soles flat on the ground, centre of mass above the ankles, joints within limits."""
 
+import shutil
 from pathlib import Path
 
 import mujoco
@@ -65,3 +66,21 @@ def test_nonsense_is_refused(value: float) -> None:
     for arguments in ((value, 0.05), (0.6, value)):
         with pytest.raises(BadInput):
             standing_posture(ROBOTS[0], *arguments)
+
+
+def test_limits_that_leave_no_flat_foot_are_named(tmp_path: Path) -> None:
+    """An ankle that cannot level the sole is not a matter of width."""
+    text = (MODELS / "six_joint_legs.toml").read_text()
+    for side in ("left", "right"):
+        text = text.replace(
+            f"{side}_ankle_pitch = {{ position = [-1.6, 1.0]", f"{side}_ankle_pitch = {{ position = [0.9, 1.0]"
+        )
+        text = text.replace(
+            f"{side}_hip_pitch = {{ position = [-2.0, 1.2]", f"{side}_hip_pitch = {{ position = [0.5, 1.2]"
+        )
+    assert "0.9, 1.0" in text
+    (tmp_path / "card.toml").write_text(text)
+    shutil.copy(MODELS / "six_joint_legs.xml", tmp_path)
+    robot = load_robot(tmp_path)
+    with pytest.raises(BadInput, match="no flat foot"):
+        standing_posture(robot, robot.card.gait.height, robot.card.gait.width)

@@ -34,7 +34,6 @@ REFUSED = {
     "floating by gravity compensation": ('<body name="torso"', '<body name="torso" gravcomp="1"'),
     "replicate": (TORSO, TORSO + '<replicate count="1000000000"><geom size="1"/></replicate>'),
     "composite": (TORSO, TORSO + '<composite type="particle" count="1000 1000 1000"/>'),
-    "height field": (END, '<asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>'),
     "mesh builtin": (END, '<asset><mesh name="m" builtin="sphere" params="99"/></asset>'),
     "mesh outside": (TORSO, f'<geom type="mesh" mesh="m"/>{TORSO}', '<asset><mesh name="m" file="../m.stl"/></asset>'),
     "mesh missing": (TORSO, f'<geom type="mesh" mesh="m"/>{TORSO}', '<asset><mesh name="m" file="m.stl"/></asset>'),
@@ -75,13 +74,15 @@ def test_left_out_parts_are_named(tmp_path: Path) -> None:
     extra = (
         '<size memory="1E"/><option gravity="0 0 9" density="1000"/><visual/><statistic extent="2"/>'
         '<keyframe><key qpos="1"/></keyframe><sensor><gyro site="imu"/></sensor>'
+        '<asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>'
+        '<worldbody><geom type="hfield" hfield="h"/></worldbody>'
         '<asset><texture name="t" type="2d" file="/etc/passwd"/><material name="m" texture="t"/></asset>'
     )
     text = TEXT.replace(END, extra + END).replace(TORSO, TORSO + '<light pos="0 0 1"/>')
     robot = build_model(text, tmp_path)
     same_motion(robot, build_model(TEXT, tmp_path))
     assert robot.model.opt.gravity.tolist() == [0.0, 0.0, -9.81]
-    for kind in ("size", "option", "keyframe", "sensor", "texture", "light"):
+    for kind in ("size", "option", "keyframe", "sensor", "texture", "light", "hfield"):
         assert kind in robot.notes[0]
 
 

@@ -19,6 +19,8 @@ from tests.robots.test_urdf import as_urdf, urdf_card
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
+from gaitsmith.robots.footing import check_soles
+from gaitsmith.robots.model_file import open_model
 from gaitsmith.robots.robot import Robot, describe
 
 JUNK: list[Any] = [None, True, 0, -1, 1, 0.05, 1e-300, 1e308, -1e308, math.nan, math.inf, 10**400, "", "x", "nan", "\0"]
@@ -49,6 +51,8 @@ WORDS += [
     "\u20ac",
     "9" * 40,
     "../x",
+    "%s%n",
+    "none.stl",
 ]
 CARDS = {path: card_data(path) for path in (BHR / "card.toml", MODELS / "with_arms.toml")}
 
@@ -163,14 +167,29 @@ def mutated_models(draw: st.DrawFn, source: bytes) -> bytes:
     return ElementTree.tostring(root)
 
 
+@settings(max_examples=300)
+@given(mutated_models((MODELS / "with_arms.xml").read_bytes()))
+def test_any_model_without_a_card_opens_or_is_refused(text: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "model.xml").write_bytes(text)
+        try:
+            found = open_model(Path(folder) / "model.xml")
+            assert found.model.njnt == 1 + len(found.limits)
+        except BadInput as error:
+            refused(error)
+        else:
+            assert set(found.limits) <= set(found.home)
+            assert all(math.isfinite(angle) for angle in found.home.values())
+
+
 def loads_or_is_refused(text: bytes, data: dict[str, Any] | None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         try:
             robot = build_model(text, Path(folder), data)
+            valid(robot)
+            check_soles(robot)
         except BadInput as error:
             refused(error)
-        else:
-            valid(robot)
 
 
 @settings(max_examples=300)

@@ -19,6 +19,7 @@ _BALANCED = 1e-9  # m, centre of mass ahead of the soles
 _ROUNDS = 50
 _HEIGHTS = 40  # tried, evenly, to say which ones are in reach
 _BISECTIONS = 10
+_WIDTHS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # tried, of half the hips' distance
 
 
 def _place_soles(
@@ -101,5 +102,11 @@ def standing_posture(robot: Robot, height: float, width: float, com_ahead: float
         heights = _reachable_heights(robot, chains, ahead, width)
         if heights:
             raise BadInput("height", height, f"{heights} at a width of {width:g} m") from None
-        raise BadInput("width", width, "a width that the legs reach at some height", "try half the hip width") from None
+        hip = float(np.mean([abs(leg.hip_anchor[1]) for leg in robot.legs]))
+        widths = [share * hip for share in _WIDTHS if _reachable_heights(robot, chains, ahead, share * hip)]
+        if widths:
+            valid = f"about {widths[0]:.3g} to {widths[-1]:.3g} m, in reach at some height"
+            raise BadInput("width", width, valid) from None
+        valid = "joint limits that let both soles lie flat below an upright torso"
+        raise BadInput("limits", "no flat foot at any height and width", valid, "check the sole frames too") from None
     raise BadInput("height", height, "a height at which the legs can balance the torso", "try a lower one")

@@ -44,7 +44,7 @@ KEPT = {
 DROPPED = {
     "mujoco": SECTIONS_DROPPED,
     "default": ("camera", "light", "material", "equality", "tendon"),
-    "asset": ("texture", "material"),
+    "asset": ("texture", "material", "hfield", "skin"),
     "worldbody": ("light", "camera"),
     "body": ("light", "camera"),
     "frame": ("light", "camera"),
@@ -144,7 +144,7 @@ def _filter(element: Element, entry: str, left_out: set[str]) -> None:
     element.attrib.pop("material", None)
     kept, dropped = KEPT.get(element.tag, ()), DROPPED.get(element.tag, ())
     for child in list(element):
-        if child.tag in dropped:
+        if child.tag in dropped or (child.tag == "geom" and "hfield" in child.attrib):
             element.remove(child)
             left_out.add(child.tag)
         elif child.tag not in kept:
