@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 
 from gaitsmith.errors import BadInput
-from gaitsmith.robots.safety import MESH_FORMATS, CardFolder
+from gaitsmith.robots.safety import CardFolder
 
 EQUAL_LIMITS = "equal lower and upper limits"
 
@@ -28,19 +28,16 @@ class MeshFile:
     entry: str
 
     def read(self) -> tuple[str, bytes]:
-        """The file's ending and its content; no ending if MuJoCo reads no such kind.
+        """The file's ending in small letters, and its content.
 
         Raises:
             BadInput: outside, missing, or too large.
         """
-        kind = PurePosixPath(self.name).suffix.lower()
         found = self.folder.find(self.name, self.bases, self.entry)
         try:
-            content = self.folder.read(found, self.entry) if kind in MESH_FORMATS else b""
+            return PurePosixPath(self.name).suffix.lower(), self.folder.read(found, self.entry)
         except BadInput as error:
             raise BadInput(self.entry, self.name, error.valid, error.remedy) from None
-        text = kind == ".stl" and content[:5] == b"solid" and b"facet" in content[:1000]
-        return ("" if text else kind if content else ""), content
 
 
 @dataclass(frozen=True)

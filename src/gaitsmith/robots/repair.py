@@ -8,6 +8,7 @@ import numpy as np
 ROUNDING = 1e-6  # a flat body has A + B = C
 LEAST = 1e-3  # eigenvalue of an inertia, of its largest
 MASSLESS = 1e-12  # of the robot's mass
+POINT = 1e-6  # of a ball's inertia, below which a body has none
 VIRTUAL = 1e-6  # of the robot's mass, given to a link that moves without mass
 DENSITY = 1000.0  # kg/m³, of a ball that stands for a body without size
 
@@ -26,13 +27,14 @@ def repair_inertias(spec: mujoco.MjSpec, notes: list[str]) -> float:
     bent, empty = [], []
     for body in spec.bodies:
         full = np.asarray(body.fullinertia, dtype=np.float64)
-        if body.explicitinertial and body.mass > 0.0 and np.isfinite(full).all():
-            xx, yy, zz, xy, xz, yz = full
+        if body.explicitinertial and body.mass > 0.0:
+            xx, yy, zz, xy, xz, yz = full if np.isfinite(full).all() else (*body.inertia, 0.0, 0.0, 0.0)
             values, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-            if values[0] > 0.0 and values[0] + values[1] >= (1.0 - ROUNDING) * values[2]:
-                continue
             ball = 0.4 * body.mass * (body.mass / DENSITY) ** (2.0 / 3.0)
-            values = np.clip(values, LEAST * values[2], None) if values[2] > MASSLESS * ball else np.full(3, ball)
+            point = values[2] <= POINT * ball
+            if values[0] > 0.0 and values[0] + values[1] >= (1.0 - ROUNDING) * values[2] and not point:
+                continue
+            values = np.full(3, ball) if point else np.clip(values, LEAST * values[2], None)
             values = values if values[0] + values[1] >= values[2] else np.full(3, values.mean())
             matrix = (axes * values) @ axes.T
             body.fullinertia = [*np.diag(matrix), matrix[0, 1], matrix[0, 2], matrix[1, 2]]

@@ -9,7 +9,9 @@ import mujoco
 
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.engine import engine_errors
+from gaitsmith.robots.foreign_meshes import points_of
 from gaitsmith.robots.model_text import ModelText
+from gaitsmith.robots.safety import MESH_FORMATS
 
 PAIRED = 1 << 20  # a bit that only the ground has, for shapes that collide with nothing else
 ALWAYS, NEVER = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE, mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
@@ -76,7 +78,7 @@ def drop_dangling(spec: mujoco.MjSpec) -> None:
 
 
 def read_meshes(spec: mujoco.MjSpec, source: ModelText, notes: list[str]) -> None:
-    """Read the meshes that a shape still uses, and delete the others; a kind that is not read costs its shapes.
+    """Read the meshes that a shape still uses, and delete the others; one that cannot be read costs its shapes.
 
     Raises:
         BadInput: a mesh that a shape needs is not there, or lies outside.
@@ -87,14 +89,22 @@ def read_meshes(spec: mujoco.MjSpec, source: ModelText, notes: list[str]) -> Non
         if mesh.name not in used:
             spec.delete(mesh)
         elif mesh.file in source.meshes:
-            kind, content = source.meshes[mesh.file].read()
-            if not kind:
-                _without(spec, mesh, f"{source.meshes[mesh.file].name} is no .obj, .stl (binary) or .msh", notes)
+            file = source.meshes[mesh.file]
+            kind, content = file.read()
+            try:
+                points = points_of(content, kind, file.entry)
+                if points is None and kind not in MESH_FORMATS:
+                    raise BadInput(file.entry, file.name, f"a mesh of kind {', '.join(MESH_FORMATS)}, .dae")
+            except BadInput as error:
+                _without(spec, mesh, f"{file.name}: {error.value}", notes)
                 continue
             if source.urdf_mass is not None:
                 mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # links say theirs; a shape may be flat
-            mesh.file = mesh.file.removesuffix(".obj") + kind
-            assets[mesh.file] = content
+            if points is None:
+                mesh.file = mesh.file.removesuffix(".obj") + kind
+                assets[mesh.file] = content
+            else:
+                mesh.file, mesh.uservert = "", points.ravel()
     spec.assets = assets
 
 
