@@ -8,7 +8,7 @@ import re
 import secrets
 import shutil
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from gaitsmith.adoption.search import Found, search
 from gaitsmith.adoption.sheet import measure, reserves
 from gaitsmith.adoption.soles import GivenSole, NoSole, SoleFound, find_sole, matched, measured_sole
 from gaitsmith.adoption.source import find_model
-from gaitsmith.adoption.trials import Doctor, examine
+from gaitsmith.adoption.trials import Doctor, Test, examine
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.experiments.store import Store
@@ -32,6 +32,7 @@ from gaitsmith.view.portrait import draw_portrait
 
 _PLAIN = {"", "mujoco model", "model", "scene", "robot", "main", "mjcf", "urdf"}  # file names that say nothing
 _ALIKE = 0.005  # of hip height: difference of left and right soles that is the maker's tolerance
+_LESS = 0.02  # of a range: what is walked less than it is written into the card
 _CARD, _PICTURE, _RUNS = "card.toml", "robot.png", ".runs"
 
 
@@ -70,19 +71,19 @@ class Adoption:
     Attributes:
         card: its path; None if something has to be asked.
         document: the JSON contract.
-        asked: flags that are needed, with candidates.
+        tests: that the robot was put to.
         reason: why something is asked, in one line.
     """
 
     card: Path | None
     document: dict[str, Any]
-    asked: list[dict[str, Any]] = field(default_factory=list)
+    tests: tuple[Test, ...] = ()
     reason: str = ""
 
     @property
     def ok(self) -> bool:
         """Whether every test was passed."""
-        return self.card is not None and all(test["ok"] for test in self.document["tests"].values())
+        return bool(self.tests) and all(test.ok for test in self.tests)
 
 
 def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
@@ -105,7 +106,7 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
         soles = _soles(anatomy, wishes.sole, found.entry)
     except NoSole as error:
         asked = [{"flag": "--sole", "candidates": sole_candidates(found.model, anatomy)}]
-        return Adoption(None, _document(None, name, found, anatomy, None, asked), asked, str(error))
+        return Adoption(None, _document(None, name, found, anatomy, None, asked), reason=str(error))
     files = dict(found.files)
     model_file = next(iter(files))
     if wishes.sole is not None:
@@ -126,6 +127,7 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
                 robot = load_robot(folder)
                 doctor = examine(robot, str(folder), progress=progress)
         sheet = _sheet(robot, folder, doctor, store, wishes, progress)
+        _narrow(draft, robot, sheet or {})
         draft.remarks += _remarks(robot, found, doctor, sheet)
         write_text_atomic(folder / _CARD, draft.text())
         robot = load_robot(folder)
@@ -137,7 +139,7 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
         for extra in folder.glob(f"{_RUNS}*"):
             shutil.rmtree(extra)
     document["card"] = str(out / _CARD)
-    return Adoption(out / _CARD, document)
+    return Adoption(out / _CARD, document, doctor.tests)
 
 
 def _robot_name(wishes: Wishes, path: Path, own: str) -> str:
@@ -234,10 +236,19 @@ def _use(draft: CardDraft, tried: Found, seed: int) -> None:
 def _sheet(
     robot: Robot, folder: Path, doctor: Doctor, store: Store, wishes: Wishes, progress: Progress
 ) -> dict[str, Any] | None:
-    if doctor.failed is not None or doctor.summary is None:
+    if doctor.failed is not None:
         return None
     own = measure(robot, str(folder), store, wishes.jobs, progress) if wishes.sheet else {}
     return own | reserves(robot, doctor.summary)
+
+
+def _narrow(draft: CardDraft, robot: Robot, sheet: dict[str, Any]) -> None:
+    """Limits of the gait where less was walked than the robot's size suggests."""
+    for part, (low, high) in robot.card.gait_limits:
+        walked = sheet.get(part, (low, high))
+        if walked[0] - low > _LESS * (high - low) or high - walked[1] > _LESS * (high - low):
+            inside = [max(walked[0], low), min(walked[1], high)]
+            draft.tables.setdefault("gait_limits", []).append(Entry(part, inside, "walked in simulation, 8 s"))
 
 
 def _assumed(robot: Robot, found: ModelFile) -> list[Entry]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gaitsmith.adoption.trials import WALKING, errors, walk_scenario, walked
+from gaitsmith.adoption.trials import WALKING, errors, in_reach, walk_scenario, walked
 from gaitsmith.control.defaults import default_parameters, robot_scale
 from gaitsmith.experiments.episodes import run_all
 from gaitsmith.experiments.result import Progress
@@ -44,6 +44,8 @@ class Candidate:
         for name in _GAIT:
             low, high = getattr(card.gait_limits, name)
             found[name] = _rounded(min(max(getattr(card.gait, name) * self.factors[name], low), high), low, high)
+        if not in_reach(robot, found["height"], found["width"]):
+            found |= {"height": card.gait.height, "width": card.gait.width}
         return found
 
     def gains(self, defaults: dict[str, Any]) -> dict[str, dict[str, Any]]:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from gaitsmith.adoption.trials import SPEED, errors, walk_scenario
+from gaitsmith.adoption.trials import SPEED, errors, in_reach, walk_scenario
 from gaitsmith.experiments.episodes import run_all
 from gaitsmith.experiments.largest import search_largest
 from gaitsmith.experiments.push_grid import PushGrid, momentum_unit
@@ -36,7 +36,7 @@ class Bracket:
 
     def next(self) -> float | None:
         """What to try: the far end first, then half-way."""
-        if self.done or self.tried > _ROUNDS or math.isclose(self.inside, self.outside, abs_tol=1e-9):
+        if self.done or self.tried > _ROUNDS or math.isclose(self.inside, self.outside, abs_tol=1e-4):
             return None
         return self.outside if self.tried == 0 else (self.inside + self.outside) / 2.0
 
@@ -69,6 +69,10 @@ def measure(robot: Robot, name: str, store: Store, jobs: int, progress: Progress
     brackets = [
         Bracket(part, end, inside[end], getattr(limits, part)[end]) for part, inside in start.items() for end in (0, 1)
     ]
+    for bracket in brackets:
+        if bracket.quantity == "height":
+            while not (in_reach(robot, bracket.outside, gait.width) or bracket.next() is None):
+                bracket.outside += (bracket.inside - bracket.outside) / 4.0
     while pending := {k: value for k, bracket in enumerate(brackets) if (value := bracket.next()) is not None}:
         scenarios = {k: _scenario(name, brackets[k].quantity, value) for k, value in pending.items()}
         number = max(brackets[k].tried for k in pending) + 1

@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from gaitsmith.errors import BadInput
 from gaitsmith.experiments.result import Progress, silent
+from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot
+from gaitsmith.robots.footing import check_soles
 from gaitsmith.simulation import Scenario, Simulation, Summary
 
 STANDING = 8.0  # s
@@ -29,6 +32,10 @@ class Test:
     figure: float
     words: str
 
+    def line(self) -> str:
+        """For people."""
+        return f"{self.name}: {'ok' if self.ok else 'FAILED'}: {self.words}"
+
     def document(self) -> dict[str, Any]:
         """As plain data."""
         return {"ok": self.ok, "figure": self.figure, "words": self.words}
@@ -36,12 +43,12 @@ class Test:
 
 @dataclass(frozen=True)
 class Doctor:
-    """The three tests' outcome, and the walk's summary (None if it was not tried)."""
+    """The three tests' outcome, and the walk's summary."""
 
     soles: Test
     standing: Test
     walk: Test
-    summary: Summary | None
+    summary: Summary
 
     @property
     def tests(self) -> tuple[Test, Test, Test]:
@@ -68,7 +75,7 @@ def examine(robot: Robot, name: str, *, progress: Progress = silent) -> Doctor:
     progress(0, 3, "standing")
     soles, standing = stand(robot, name)
     progress(2, 3, "walking")
-    summary = None if standing.figure is None else _run(robot, walk_scenario(name))
+    summary = _run(robot, walk_scenario(name))
     return Doctor(soles, standing, walked(summary), summary)
 
 
@@ -77,6 +84,8 @@ def stand(robot: Robot, name: str) -> tuple[Test, Test]:
     scenario = Scenario(robot=name, speed=(0.0, 0.0), duration=STANDING, rest_before=STANDING)
     simulation = Simulation(scenario, robot=robot, record=True)
     episode = simulation.run()
+    if episode.interrupted:
+        raise KeyboardInterrupt
     log, summary = episode.log, episode.summary
     weight = robot.mass * float(np.linalg.norm(robot.model.opt.gravity))
     assert log is not None
@@ -85,6 +94,10 @@ def stand(robot: Robot, name: str) -> tuple[Test, Test]:
     share = min(loads) if loads else 0.0
     words = " and ".join(f"{leg.name} {load:.0%}" for leg, load in zip(robot.legs, loads, strict=True))
     soles = Test("soles", share >= _SHARE, share, f"the soles carry {words} of the weight")
+    try:
+        check_soles(robot)
+    except BadInput as error:
+        soles = Test("soles", False, share, str(error))
     heading = max(map(abs, summary.heading_deg))
     words = f"stood {summary.duration:g} s, heading within {heading:.2g}°"
     if summary.fall is not None:
@@ -92,15 +105,22 @@ def stand(robot: Robot, name: str) -> tuple[Test, Test]:
     return soles, Test("standing", not summary.fell and heading <= TURNED, heading, words)
 
 
+def in_reach(robot: Robot, height: float, width: float) -> bool:
+    """Whether the legs stand at a height with the soles that far apart."""
+    try:
+        standing_posture(robot, height, width)
+    except BadInput:
+        return False
+    return True
+
+
 def walk_scenario(name: str, **inputs: Any) -> Scenario:
     """The slow walk that is tested; inputs override it."""
     return Scenario(**{"robot": name, "speed": (SPEED, 0.0), "duration": WALKING, "rest_before": 1.0, **inputs})
 
 
-def walked(summary: Summary | None) -> Test:
+def walked(summary: Summary) -> Test:
     """Whether a walk at the test's speed got where it should."""
-    if summary is None:
-        return Test("walk", False, 0.0, "not tried")
     if summary.fall is not None:
         words = f"fell after {summary.fall.time:.2f} s: {summary.fall.reason}"
         return Test("walk", False, summary.fall.time, words)
@@ -118,4 +138,7 @@ def errors(summary: Summary) -> tuple[float, float]:
 
 
 def _run(robot: Robot, scenario: Scenario) -> Summary:
-    return Simulation(scenario, robot=robot, record=False).run().summary
+    summary = Simulation(scenario, robot=robot, record=False).run().summary
+    if summary.interrupted:
+        raise KeyboardInterrupt
+    return summary

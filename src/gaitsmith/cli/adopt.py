@@ -74,11 +74,7 @@ def adopt(words: list[str], program: str) -> Outcome:
     given = options.model_dump(exclude={"json_", "no_sheet", "sole"})
     sole = None if options.sole is None else GivenSole(*options.sole)
     with Display("loading (the first time compiles)") as display:
-
-        def advance(done: int, total: int, what: str) -> None:
-            display.show(what, f"{done} of {total}" if total else "", done, total or None)
-
-        adoption = run(Wishes(**given, sole=sole, sheet=not options.no_sheet), advance)
+        adoption = run(Wishes(**given, sole=sole, sheet=not options.no_sheet), display.advance)
     code = BAD_INPUT if adoption.card is None else DONE if adoption.ok else FELL
     return Outcome(code, adoption.document, _lines(adoption))
 
@@ -94,8 +90,7 @@ def _lines(adoption: Adoption) -> Iterator[Text]:
     for asked in document["asked"]:
         yield f"not written: {adoption.reason}"
         yield f"give {asked['flag']}, for example {' or '.join(asked['candidates']) or 'as --help says'}"
-    for name, test in document["tests"].items():
-        yield f"{name}: {'ok' if test['ok'] else 'FAILED'}: {test['words']}"
+    yield from (test.line() for test in adoption.tests)
     if document["search"]:
         yield f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s"
     if document["sheet"]:
@@ -113,7 +108,7 @@ def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:
 
 def _advice(adoption: Adoption) -> str:
     """What to do next."""
-    failed = [name for name, test in adoption.document["tests"].items() if not test["ok"]]
+    failed = [test.name for test in adoption.tests if not test.ok]
     if not failed:
         return f"it walks: gaitsmith walk --robot {adoption.card and adoption.card.parent} --speed 0.1"
     return {

@@ -53,6 +53,10 @@ class Display:
         """What is being done now."""
         self._progress.update(self._task, description=what, done=done, completed=completed, total=total)
 
+    def advance(self, done: int, total: int, what: str) -> None:
+        """Progress of an experiment; without a total it is not known how far."""
+        self.show(what, f"{done} of {total}" if total else "", done, total or None)
+
     def iteration(self, motion: str, rounds: int, progress: Iteration) -> None:
         """One iteration of a solve."""
         worst = f"{progress.violation:.2g}"

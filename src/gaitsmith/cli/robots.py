@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
-from gaitsmith.cli.dispatch import DONE, Outcome, Table, Text
+from gaitsmith.cli.dispatch import DONE, FELL, Outcome, Table, Text
 from gaitsmith.cli.inputs import named_robot
+from gaitsmith.documents import About
 
 if TYPE_CHECKING:
+    from gaitsmith.adoption.trials import Test
     from gaitsmith.robots import Robot
 
 
@@ -24,6 +26,12 @@ class RobotArguments(Arguments):
         str,
         Positional("A robot of the package, the path of a card, or a folder with a card.toml", metavar="NAME_OR_PATH"),
     ] = "bhr_b2"
+
+
+class CheckArguments(RobotArguments):
+    """Load a robot, lay its soles on the ground, and let it stand for 8 s and walk for 20 s at 0.1 m/s."""
+
+    no_tests: Annotated[bool, About("Do not let it stand and walk")] = False
 
 
 def list_robots(words: list[str], program: str) -> Outcome:
@@ -56,12 +64,13 @@ def show(words: list[str], program: str) -> Outcome:
 
 
 def check(words: list[str], program: str) -> Outcome:
-    """Run ``robots check``: load the robot, lay its soles on the ground, and let it stand at its default height.
+    """Run ``robots check``; exit code 1 if it does not stand or walk.
 
     Raises:
         BadInput: the command line or the robot cannot be used.
     """
-    robot = named_robot(parse(RobotArguments, words, program).robot, "ROBOT")
+    options = parse(CheckArguments, words, program)
+    robot = named_robot(options.robot, "ROBOT")
     from gaitsmith.kinematics.posture import standing_posture
     from gaitsmith.robots.footing import check_soles
 
@@ -69,21 +78,33 @@ def check(words: list[str], program: str) -> Outcome:
     gait = robot.card.gait
     posture = standing_posture(robot, gait.height, gait.width)
     angles = dict(zip(robot.joint_names, posture[7:].tolist(), strict=True))
+    tests = () if options.no_tests else _tested(robot, options.robot)
     document = {
-        "ok": True,
+        "ok": all(test.ok for test in tests),
         "name": robot.card.name,
         "mass": robot.mass,
         "joints": list(robot.joint_names),
         "presets": sorted(robot.card.presets),
         "standing": angles,
         "notes": list(robot.notes),
+        "tests": {test.name: test.document() for test in tests},
     }
     text = [
         f"{robot.card.name}: card and model fit; {robot.mass:.3f} kg, {len(robot.joint_names)} joints",
         f"stands at {gait.height:g} m with {', '.join(f'{name} {value:+.3f}' for name, value in angles.items())}",
         *(f"note: {note}" for note in robot.notes),
+        *(test.line() for test in tests),
     ]
-    return Outcome(DONE, document, text)
+    return Outcome(DONE if document["ok"] else FELL, document, text)
+
+
+def _tested(robot: Robot, name: str) -> tuple[Test, ...]:
+    """The tests that an adopted robot has to pass."""
+    from gaitsmith.adoption.trials import examine
+    from gaitsmith.cli.display import Display
+
+    with Display("loading (the first time compiles)") as display:
+        return examine(robot, name, progress=display.advance).tests
 
 
 def _lines(robot: Robot, document: dict[str, Any]) -> Iterator[Text]:
