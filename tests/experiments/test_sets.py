@@ -63,6 +63,14 @@ def test_a_set_scales_with_the_robot():
         assert theirs.impulse / units[1] == pytest.approx(mine.impulse / units[0], rel=1e-3)
 
 
+def test_a_strength_is_the_same_share_of_any_robot_s_momentum_unit():
+    for robot in ("thbip_ii", "bhr_b2"):
+        found = load_set("strangers", robot)
+        (grid,) = found.grids
+        assert grid.impulse == pytest.approx(0.09 * momentum_unit(found.robot, grid.base.height), abs=1e-3)
+        assert grid.name.endswith("in place")
+
+
 def test_seeds_draw_within_their_range_and_always_the_same():
     (first, second) = (load_set("courses_estimated").trials[3].scenarios for _ in range(2))
     assert first == second

@@ -13,7 +13,7 @@ from pydantic import Field
 from gaitsmith.documents import Frozen, checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.limits import QUANTITIES, Limit
-from gaitsmith.experiments.push_grid import PushGrid
+from gaitsmith.experiments.push_grid import PushGrid, momentum_unit
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
@@ -55,9 +55,10 @@ class TrialEntry(Frozen):
 
 
 class GridEntry(Frozen):
-    """One grid of pushes; see :class:`gaitsmith.experiments.PushGrid`."""
+    """One grid of pushes; see :class:`gaitsmith.experiments.PushGrid`. ``strength`` is over mass times √(gH)."""
 
-    impulse: Annotated[float, Field(gt=0.0, le=1000.0)]
+    impulse: Annotated[float, Field(gt=0.0, le=1000.0)] | None = None
+    strength: Annotated[float, Field(gt=0.0, le=2.0)] | None = None
     scenario: dict[str, Any] = Field(default_factory=dict)
     least: int | None = None
     goal: int | None = None
@@ -235,9 +236,16 @@ def _drawn(entry: TrialEntry, seed: int) -> dict[str, float]:
 
 def _grid(entry: GridEntry, base: dict[str, Any], scale: float, heavier: float, robot: Robot) -> PushGrid:
     """A grid with the scenario that it pushes in; least and goal count cells."""
+    walk = walking({**base, **_scaled(entry.scenario, scale)}, robot)
+    if (entry.impulse is None) == (entry.strength is None):
+        raise BadInput("grids", entry.impulse, "either an impulse or a strength")
+    if entry.impulse is not None:
+        impulse = entry.impulse * heavier * scale**_ROOT
+    else:
+        impulse = (entry.strength or 0.0) * momentum_unit(robot, walk.height or robot.card.gait.height)
     return PushGrid(
-        round(entry.impulse * heavier * scale**_ROOT, 3),
-        walking({**base, **_scaled(entry.scenario, scale)}, robot),
+        round(impulse, 3),
+        walk,
         entry.least,
         entry.goal,
         None if entry.separation is None else Limit("separation", scale * entry.separation),
