@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -46,16 +47,16 @@ def test_telemetry_reports_the_tick() -> None:
     assert values["time"] == pytest.approx(1.55)
     assert values["control_state"] == 3.0
     assert controller.state == "walking"
-    assert values["step_count"] == groups.step.count[0] >= 2
+    assert values["step_count"] == groups.template.step.count[0] >= 2
     assert values["command.height"] == loop.gait.height
     assert (values["command.speed_x"], values["command.speed_y"], values["command.yaw_rate"]) == (0.1, 0.02, 0.2)
     assert values["hip_height"] == pytest.approx(loop.gait.height, abs=0.02)
     for j, joint in enumerate(loop.robot.joint_names):
         assert values[f"torque.{joint}"] == torque[j]
-        assert values[f"joint_position.{joint}"] == groups.control.q[7 + j]
-    assert values["wrench.left.fz"] == groups.body.wrench[0, 2]
-    assert values["foot_actual.right.z"] == groups.frames.relative_position[1, 2]
-    assert values["yaw_rate"] == groups.frames.yaw_rate[0]
+        assert values[f"joint_position.{joint}"] == groups.body.q[7 + j]
+    assert values["wrench.left.fz"] == groups.whole_body.solution.wrench[0, 2]
+    assert values["foot_actual.right.z"] == groups.body.frames.relative_position[1, 2]
+    assert values["yaw_rate"] == groups.body.frames.yaw_rate[0]
     assert values["refused.gyro"] == values["refused_ticks"] == 0.0
     assert np.isfinite(controller.telemetry_buffer).all()
 
@@ -68,11 +69,13 @@ def arrays(group: Any) -> list[Any]:
 def test_no_two_fields_share_memory() -> None:
     """But the gait's inputs, which are views of one array; neither by accident nor after an arena has placed them."""
     groups = Held().groups
-    kept = {name: part for name, part in groups._asdict().items() if name not in ("requested", "latched", "telemetry")}
-    found = [*arrays(tuple(kept.values())), groups.requested.values, groups.latched.values, *groups.telemetry]
-    for k, array in enumerate(found):
+    template = groups.template
+    inputs = {id(array) for group in (template.requested, template.latched) for array in group[:-1]}
+    found = {id(array): array for array in arrays(groups) if id(array) not in inputs}
+    kept = list(found.values())
+    for k, array in enumerate(kept):
         assert array.flags.c_contiguous
-        assert not any(np.shares_memory(array, other) for other in found[:k])
+        assert not any(np.shares_memory(array, other) for other in kept[:k])
 
 
 BAD_COMMANDS: list[dict[str, Any]] = [
@@ -173,8 +176,11 @@ def test_reset_forgets_everything_but_the_gait(state: str) -> None:
     assert used.controller.gait.height == 0.66
     for _ in range(200):
         np.testing.assert_array_equal(used.tick(), fresh.tick())
-    for name in ("step", "latched", "estimator", "body", "reference", "contacts", "telemetry", "control"):
-        ours, theirs = getattr(used.groups, name), getattr(fresh.groups, name)
+    names = (
+        "template.step template.latched estimation.state whole_body.solution reference whole_body.contacts telemetry"
+    )
+    for name in (*names.split(), "control", "body.frames"):
+        ours, theirs = attrgetter(name)(used.groups), attrgetter(name)(fresh.groups)
         for field, a, b in zip(ours._fields, ours, theirs, strict=True):
             if field not in ("letters", "read"):
                 np.testing.assert_array_equal(a, b, err_msg=f"{name}.{field}")

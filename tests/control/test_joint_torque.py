@@ -50,25 +50,23 @@ def test_pd_of_the_leg_in_its_role() -> None:
     held = Held(chosen=parameters("bhr_b2", "paper", standing={"weight_shift": False}))
     for _ in range(3):
         held.q[10] += 1e-3
-        np.testing.assert_allclose(held.tick(), held.groups.body.torque)
+        np.testing.assert_allclose(held.tick(), held.groups.whole_body.solution.torque)
     held.controller.walk()
     rng = np.random.default_rng(0)
     for _ in range(20):
         held.stance_only()
-    gains, control = held.controller.parameters.joint_gains, held.groups.control
+    gains, control, body = held.controller.parameters.joint_gains, held.groups.control, held.groups.body
     last = control.torque.copy()
     held.q[7:] += rng.uniform(-0.01, 0.01, 8)
     held.stance_only()
-    expected = held.groups.body.torque.copy()
+    expected = held.groups.whole_body.solution.torque.copy()
     for row, leg in enumerate(held.robot.legs):
-        role = "stance" if row == held.groups.step.stance[0] else "swing"
+        role = "stance" if row == held.groups.template.step.stance[0] else "swing"
         stiffness, damping = (np.array(getattr(gains, f"{role}_{kind}")) for kind in ("stiffness", "damping"))
         own, joint = leg.joint_indices, held.groups.reference.joint
-        expected[own] += stiffness * (joint[0, own] - control.q[7 + own]) + damping * (
-            joint[1, own] - control.v[6 + own]
-        )
-    assert np.max(np.abs(expected - held.groups.body.torque)) > 1.0
-    step = float(held.groups.joint_bounds.torque_step[0])
+        expected[own] += stiffness * (joint[0, own] - body.q[7 + own]) + damping * (joint[1, own] - body.v[6 + own])
+    assert np.max(np.abs(expected - held.groups.whole_body.solution.torque)) > 1.0
+    step = float(held.groups.whole_body.joint_bounds.torque_step[0])
     limit = held.robot.torque_limit
     np.testing.assert_allclose(control.torque, np.clip(np.clip(expected, -limit, limit), last - step, last + step))
 

@@ -52,7 +52,7 @@ def test_a_walk_with_pushes_is_smooth(name: str, state: str) -> None:
     loop.controller.stand()
     torques.append(torque_rows(loop, 1500))
     assert_smooth(np.concatenate(torques), loop)
-    assert loop.groups.step.count[0] > 6
+    assert loop.groups.template.step.count[0] > 6
     assert np.max(np.abs(loop.controller.telemetry.tilt[:2])) < 0.1
 
 
@@ -65,7 +65,7 @@ def test_an_undisturbed_walk_saturates_nothing(name: str) -> None:
     loop.controller.walk()
     torques = torque_rows(loop, 4000)
     assert np.max(np.abs(torques) / loop.robot.torque_limit) < 0.99
-    body, step = loop.groups.body, loop.groups.step
+    body, step = loop.groups.whole_body.solution, loop.groups.template.step
     assert (body.fallbacks[0], body.infeasible[0], body.stops_dropped[0], step.inverse_fallbacks[0]) == (0, 0, 0, 0)
     assert step.forced[0] == 0
 

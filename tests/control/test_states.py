@@ -32,9 +32,9 @@ def test_standing_walking_standing(name: str) -> None:
     loop.controller.stand()
     loop.run(2500)
     assert loop.controller.state == "standing"
-    count = loop.groups.step.count[0]
+    count = loop.groups.template.step.count[0]
     loop.run(500)
-    assert loop.groups.step.count[0] == count
+    assert loop.groups.template.step.count[0] == count
     assert np.max(np.abs(loop.controller.telemetry.tilt[:2])) < 0.02
 
 
@@ -118,7 +118,7 @@ def test_lifted_clear_of_the_ground_the_legs_are_still() -> None:
     held = Held("thbip_ii")
     held.controller.walk()
     held.stance_only()
-    step, patience = held.groups.step, int(held.gait.period / DT)
+    step, patience = held.groups.template.step, int(held.gait.period / DT)
     ticks(held, patience - 2, 0.0, 0.0)
     assert (held.controller.state, step.mode[0]) == ("walking", WALK)
     ticks(held, 5, 0.0, 0.0)
@@ -160,20 +160,20 @@ def test_lifted_and_put_down_again(name: str, walking: bool) -> None:
         loop.plant.q[:7], loop.plant.v[:6] = [*base[:2], lowest + raised, 1.0, 0.0, 0.0, 0.0], 0.0
         loop.plant.refresh()
         loop.step()
-        counts.append(int(loop.groups.step.count[0]))
+        counts.append(int(loop.groups.template.step.count[0]))
         if 1000 <= tick < 1500:
             assert loop.controller.state == "airborne"
     assert counts[1000] == counts[1499]
     loop.run(3000)
     assert loop.controller.state == ("walking" if walking else "standing")
-    assert (loop.groups.step.count[0] > counts[-1] + 3) == walking
+    assert (loop.groups.template.step.count[0] > counts[-1] + 3) == walking
     assert np.max(np.abs(loop.controller.telemetry.tilt[:2])) < 0.05
 
 
 def test_a_letter_that_is_half_written_is_not_read() -> None:
     """Gait inputs come over all at once, when the number of letters is even again."""
     controller = Controller(load_robot("bhr_b2"))
-    control, requested = view(controller).control, view(controller).requested
+    control, requested = view(controller).control, view(controller).template.requested
     before = requested.values.copy()
     control.letters[0] += 1
     control.mailbox[:] = 0.5
@@ -193,12 +193,12 @@ def test_commands_wait_for_the_switch() -> None:
     held.controller.command(speed=(0.1, 0.0))
     held.controller.walk()
     held.stance_only()
-    before = held.groups.latched.values.copy()
+    before = held.groups.template.latched.values.copy()
     wanted = {"speed": (0.3, -0.1), "period": 0.3, "alpha": 0.4, "height": 0.34, "lift": 0.05, "width": 0.07}
     held.controller.command(**wanted, yaw_rate=0.3)
     for _ in range(100):
         held.stance_only()
-        np.testing.assert_array_equal(held.groups.latched.values, before)
-    while held.groups.step.count[0] == 1:
+        np.testing.assert_array_equal(held.groups.template.latched.values, before)
+    while held.groups.template.step.count[0] == 1:
         held.stance_only(swing=500.0)
     np.testing.assert_array_equal(held.controller.telemetry.command, [0.3, -0.1, 0.3, 0.4, 0.34, 0.05, 0.07, 0.3])

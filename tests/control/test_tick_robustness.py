@@ -70,7 +70,7 @@ def assert_recovered(walk: Loop) -> None:
     """Nothing that is remembered is poisoned, and the whole-body QP solves again."""
     poisoned = [name for name, array in remembered(walk).items() if not np.isfinite(array).all()]
     assert not poisoned
-    assert walk.groups.body.status[0] == 0
+    assert walk.groups.whole_body.solution.status[0] == 0
 
 
 def faults(state: str, values: tuple[float, ...]) -> st.SearchStrategy[Any]:

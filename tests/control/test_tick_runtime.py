@@ -33,7 +33,7 @@ def test_ten_thousand_ticks_allocate_nothing(name: str, state: str) -> None:
         unloaded = k > 9000
         held.tick(0.0 if unloaded else left, np.nan if k % 1000 == 0 else 0.0 if unloaded else right)
     assert rtsys.get_allocation_stats() == before
-    assert held.groups.step.count[0] > 10
+    assert held.groups.template.step.count[0] > 10
     assert held.groups.control.refused_ticks[0] == 10
     assert held.controller.state == "airborne"
 

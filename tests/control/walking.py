@@ -142,9 +142,9 @@ def records(name: str) -> tuple[Record, ...]:
     }
     for tick in range(DURATION):
         plan.get(tick, lambda: None)()
-        before, count = loop.groups.body.torque.copy(), int(loop.groups.step.count[0])
+        before, count = loop.groups.whole_body.solution.torque.copy(), int(loop.groups.template.step.count[0])
         loop.step()
-        if tick % SAMPLES == 0 or loop.groups.step.count[0] != count:
+        if tick % SAMPLES == 0 or loop.groups.template.step.count[0] != count:
             kept.append(Record(tick, copied(loop.groups), before))
     return tuple(kept)
 
@@ -184,5 +184,5 @@ class Held:
 
     def stance_only(self, force: float = 300.0, swing: float = 0.0) -> Array:
         """One tick with a force on the stance sole and another on the swing sole."""
-        stance = int(self.groups.step.stance[0])
+        stance = int(self.groups.template.step.stance[0])
         return self.tick(*(force if leg == stance else swing for leg in range(len(self.robot.legs))))

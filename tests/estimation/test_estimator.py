@@ -8,10 +8,10 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 from tests.control.synthetic_walk import DT, IDEAL, Sensors, Walk, synthetic_walk
 
-from gaitsmith.compiled import Arena, IntVector, Matrix, Vector, bind, kernel
+from gaitsmith.compiled import Arena, IntVector, Matrix, Vector, kernel
 from gaitsmith.control.defaults import preset_parameters, robot_scale
-from gaitsmith.dynamics import Tree, TreeState, make_tree_state
 from gaitsmith.estimation.estimator import (
+    Estimation,
     EstimatorGains,
     EstimatorState,
     estimate,
@@ -19,7 +19,7 @@ from gaitsmith.estimation.estimator import (
     make_estimator_state,
 )
 from gaitsmith.estimation.measurement import Measurement, make_measurement
-from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.frames import Body, make_body
 
 CONTACT_FORCE = 30.0  # N
 LEVEL, SLOPE = (4.0, 0.4, 0.0), (1.6, 0.4, 0.04)  # duration, speed, climb a stride
@@ -48,16 +48,20 @@ class Setup(NamedTuple):
     """Arguments of one estimator."""
 
     walk: Walk
-    tree_state: TreeState
+    body: Body
     gains: EstimatorGains
     state: EstimatorState
     measurement: Measurement
     refused: IntVector
 
     def __call__(self, q: Vector, v: Vector, planned: IntVector) -> bool:
-        walk = self.walk
-        parts = (walk.tree, self.tree_state, walk.legs, self.gains, self.state, self.measurement)
-        return estimate(*parts, DT, planned, self.refused, q, v)
+        good = estimate(Arena(self.estimation()), DT, planned, self.refused)
+        q[:], v[:] = self.body.q, self.body.v
+        return good
+
+    def estimation(self) -> Estimation:
+        """What the kernel reads and writes."""
+        return Estimation(self.body, self.measurement, self.gains, self.state)
 
 
 def _setup(walk: Walk) -> Setup:
@@ -72,7 +76,7 @@ def _setup(walk: Walk) -> Setup:
     for unread in (measurement.base_position, measurement.base_velocity, measurement.joint_velocity):
         unread[:] = np.nan
     return Setup(
-        walk, make_tree_state(walk.tree), gains, make_estimator_state(nj), measurement, np.zeros(8, dtype=np.int64)
+        walk, make_body(walk.tree, walk.legs), gains, make_estimator_state(nj), measurement, np.zeros(8, dtype=np.int64)
     )
 
 
@@ -225,29 +229,20 @@ class Call(NamedTuple):
 
     planned: IntVector
     refused: IntVector
-    q: Vector
-    v: Vector
 
 
 class Bound(NamedTuple):
     """All that the allocation test binds."""
 
-    tree: Tree
-    tree_state: TreeState
-    legs: Legs
-    gains: EstimatorGains
-    state: EstimatorState
-    measurement: Measurement
+    estimation: Estimation
     work: Call
 
 
 @kernel
-def call(table: int, times: int) -> int:
-    g = bind(Bound, table)
-    groups, work = (g.tree, g.tree_state, g.legs, g.gains, g.state, g.measurement), g.work
+def call(g: Bound, times: int) -> int:
     good = 0
     for _ in range(times):
-        good += estimate(*groups, 1e-3, work.planned, work.refused, work.q, work.v)
+        good += estimate(g.estimation, 1e-3, g.work.planned, g.work.refused)
     return good
 
 
@@ -255,10 +250,9 @@ def test_allocates_nothing():
     walk = synthetic_walk(*SLOPE)
     setup = _setup(walk)
     _sense(setup.measurement, walk, 0, IDEAL, np.zeros(3), np.random.default_rng(0))
-    work = Call(np.ones(2, dtype=np.int64), setup.refused, np.zeros(walk.q.shape[1]), np.zeros(walk.v.shape[1]))
-    arena = Arena(Bound(walk.tree, setup.tree_state, walk.legs, setup.gains, setup.state, setup.measurement, work))
-    assert call(arena.address, 1) == 1
+    arena = Arena(Bound(setup.estimation(), Call(np.ones(2, dtype=np.int64), setup.refused)))
+    assert call(arena, 1) == 1
     _nrt_python.memsys_enable_stats()
     before = rtsys.get_allocation_stats()
-    assert call(arena.address, 1000) == 1000
+    assert call(arena, 1000) == 1000
     assert rtsys.get_allocation_stats() == before

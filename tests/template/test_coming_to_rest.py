@@ -2,21 +2,11 @@
 
 import pytest
 
-from gaitsmith.compiled import bind, kernel
+from gaitsmith.compiled import Arena
 from gaitsmith.control import Controller
-from gaitsmith.control.state import Tick
 from gaitsmith.robots import load_robot
 from gaitsmith.template.phase import advance_phase
 from gaitsmith.template.step import STAND, WALK
-
-
-@kernel
-def advance(table: int) -> bool:
-    """The phase's part of one tick."""
-    g = bind(Tick, table)
-    groups = (g.step, g.requested, g.latched, g.foothold, g.speed, g.touchdown, g.rest, g.legs, g.frames)
-    com, force = g.tree_state.com, g.measurement.sole_force
-    return advance_phase(*groups, com, force, g.forecast.arm, g.forecast.wanted, 1e-3)
 
 
 @pytest.fixture(scope="module", params=["bhr_b2", "thbip_ii"])
@@ -31,15 +21,16 @@ def ends_standing(controller, ahead=0.0, speed=0.0, force=1.0, time=1.0):
     ``force`` that of the landing sole over the weight, ``time`` that of the step over its period.
     """
     controller.reset()
-    g, scale = controller._g, controller.scale
+    g, scale = controller._g.template, controller.scale
     g.step.mode[0], g.step.walk_requested[0], g.step.stance[0] = WALK, 0, 0
     g.step.time[0] = time * g.latched.period[0]
-    g.frames.relative_position[:] = [[0.5 * ahead * scale.height, 0.1, -0.5], [-0.5 * ahead * scale.height, -0.1, -0.5]]
-    g.frames.com_velocity[:] = speed * scale.speed, 0.0, 0.0
-    swing = int(g.legs.other[0])
-    g.measurement.sole_force[:] = 0.0
-    g.measurement.sole_force[swing] = force * scale.weight
-    advance(controller._address)
+    half = 0.5 * ahead * scale.height
+    g.body.frames.relative_position[:] = [[half, 0.1, -0.5], [-half, -0.1, -0.5]]
+    g.body.frames.com_velocity[:] = speed * scale.speed, 0.0, 0.0
+    swing = int(g.body.legs.other[0])
+    g.sole_force[:] = 0.0
+    g.sole_force[swing] = force * scale.weight
+    advance_phase(Arena(g), 1e-3)
     return g.step.mode[0] == STAND
 
 

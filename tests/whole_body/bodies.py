@@ -10,17 +10,17 @@ import numpy as np
 import numpy.typing as npt
 from tests.control.walking import DT, parameters, robot
 
+from gaitsmith.compiled import Arena
 from gaitsmith.control.gains import make_gains
 from gaitsmith.dynamics.algorithms import update_dynamics
-from gaitsmith.dynamics.tree import make_tree_state, read_tree
+from gaitsmith.dynamics.tree import read_tree
 from gaitsmith.kinematics.posture import standing_posture
-from gaitsmith.qp.quadratic_program import make_quadratic_program
-from gaitsmith.whole_body.contact import ContactBounds, make_contacts
-from gaitsmith.whole_body.forward_dynamics import make_motion_map
-from gaitsmith.whole_body.frames import make_frames, observe_frames
+from gaitsmith.whole_body.contact import ContactBounds
+from gaitsmith.whole_body.frames import make_body, observe_frames
 from gaitsmith.whole_body.legs import make_legs
+from gaitsmith.whole_body.problem import JointBounds, make_whole_body
 from gaitsmith.whole_body.reference import FLAT, HEEL, NONE, TOE, make_reference
-from gaitsmith.whole_body.solve import JointBounds, make_whole_body, problem_size, solve_whole_body
+from gaitsmith.whole_body.solve import solve_whole_body
 from gaitsmith.whole_body.tasks import Task, TaskTable
 
 Array = npt.NDArray[np.float64]
@@ -40,24 +40,23 @@ class Body:
     def __init__(self, name: str, **tasks: Any) -> None:
         self.robot, self.parameters = robot(name), parameters(name)
         self.name, self.nj, self.n = name, len(self.robot.joint_names), len(self.robot.legs)
-        nv = self.robot.model.nv
         gains = make_gains(self.parameters, DT)
         self.tasks: TaskTable = gains["tasks"]._replace(**tasks)
         self.bounds: ContactBounds = gains["contact_bounds"]
         self.joints: JointBounds = gains["joint_bounds"]
-        self.tree = read_tree(self.robot.model)
-        self.state, self.legs = make_tree_state(self.tree), make_legs(self.robot)
-        self.frames, self.contacts = make_frames(nv, self.n), make_contacts(nv, self.n)
-        self.reference, self.motion = make_reference(self.n, self.nj), make_motion_map(nv, self.nj, self.n)
-        self.result = make_whole_body(nv, self.nj, self.n)
-        self.program = make_quadratic_program(*problem_size(self.nj, self.n))
-        self.q, self.v = standing(name), np.zeros(nv)
+        self.seen = make_body(read_tree(self.robot.model), make_legs(self.robot))
+        self.tree, self.state, self.legs, self.frames, self.q, self.v = self.seen
+        self.reference = make_reference(self.n, self.nj)
+        self.problem = make_whole_body(self.seen, self.reference, self.bounds, self.joints)
+        self.contacts, self.motion, self.program = self.problem.contacts, self.problem.motion, self.problem.program
+        self.result = self.problem.solution
+        self.q[:] = standing(name)
 
     def place(self, q: Array, v: Array) -> Body:
         """Put the robot into a state; every reference is that state, at rest."""
-        self.q, self.v = q.copy(), v.copy()
+        self.q[:], self.v[:] = q, v
         update_dynamics(self.tree, self.state, self.q, self.v)
-        observe_frames(self.tree, self.state, self.legs, self.v, self.frames)
+        observe_frames(Arena(self.seen._replace(legs=self.legs)))
         reference, frames = self.reference, self.frames
         reference.sole_position[:], reference.sole_rotation[:] = frames.sole_position, frames.sole_rotation
         reference.torso_rotation[:] = self.state.body_rotation[self.legs.torso[0]]
@@ -70,10 +69,9 @@ class Body:
         """Solve with these contacts; whether it was solved."""
         self.reference.contact[:] = kinds
         self.result.fresh[0] = int(fresh)
-        return solve_whole_body(
-            self.program, self.state, self.legs, self.reference, self.frames, self.contacts, self.tasks, self.bounds,
-            self.joints, self.motion, self.result, self.q, self.v,
-        )  # fmt: skip
+        seen = self.seen._replace(legs=self.legs)
+        problem = self.problem._replace(body=seen, contact_bounds=self.bounds, joint_bounds=self.joints)
+        return solve_whole_body(Arena(problem), Arena(self.tasks))
 
 
 @cache

@@ -7,8 +7,8 @@ import pytest
 from tests.control.walking import robot
 from tests.whole_body.bodies import Body, Engine, moving, task
 
+from gaitsmith.whole_body.problem import JointBounds
 from gaitsmith.whole_body.reference import FLAT, HEEL, NONE
-from gaitsmith.whole_body.solve import JointBounds
 
 HEAVY, DAMPED = 1e6, 9.0  # weight; 1/s
 FREE = JointBounds(torque_step=np.inf, stop_rate=1e6)

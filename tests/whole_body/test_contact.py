@@ -158,7 +158,7 @@ def test_pivots_move_as_the_engine_says(name: str, kinds: tuple[int, int]) -> No
 def test_reported_zmp_is_that_of_the_wrench(name: str) -> None:
     """On a walk: about that point of the sole the wrench has no horizontal moment; a sole in the air reports none."""
     for record in records(name)[::5]:
-        frames, body = record.groups.frames, record.groups.body
+        frames, body = record.groups.body.frames, record.groups.whole_body.solution
         for leg, kind in enumerate(record.groups.reference.contact):
             point = np.append(record.groups.telemetry.zmp[2 * leg : 2 * leg + 2], 0.0)
             if kind == NONE:

@@ -54,8 +54,8 @@ def test_equations_of_motion(name: str, kinds: tuple[int, int]) -> None:
 def test_equations_of_motion_on_a_walk(name: str) -> None:
     """The same for what the tick leaves behind."""
     for record in records(name)[::4]:
-        control, body = record.groups.control, record.groups.body
-        assert_dynamics(name, control.q, control.v, body.torque, body.wrench, body.acceleration)
+        body, found = record.groups.body, record.groups.whole_body.solution
+        assert_dynamics(name, body.q, body.v, found.torque, found.wrench, found.acceleration)
 
 
 @names
@@ -71,7 +71,7 @@ def test_the_solution_is_the_optimum(name: str, kinds: tuple[int, int]) -> None:
 def test_problems_of_a_walk_have_the_oracles_solution(name: str) -> None:
     """Another solver finds the same torques and wrenches."""
     for record in records(name)[::6]:
-        program = record.groups.program
+        program = record.groups.whole_body.program
         n, m = program.size
         assert residual(program) < OPTIMALITY
         upper = np.concatenate([program.upper[:n], program.row_upper[:m]])
@@ -134,7 +134,7 @@ def test_standing_bears_the_weight(name: str) -> None:
 
 @names
 def test_every_tick_of_a_walk_is_solved(name: str) -> None:
-    last = records(name)[-1].groups.body
+    last = records(name)[-1].groups.whole_body.solution
     assert last.solves[0] > 3000
     assert (last.fallbacks[0], last.infeasible[0]) == (0, 0)
 
@@ -144,9 +144,9 @@ def test_failure_is_counted_and_the_torque_fades() -> None:
     held = Held()
     for _ in range(20):
         held.tick()
-    good, body = held.controller.telemetry.torque.copy(), held.groups.body
-    mass = held.groups.tree.mass.copy()
-    held.groups.tree.mass[:] = -mass
+    good, body = held.controller.telemetry.torque.copy(), held.groups.whole_body.solution
+    mass = held.groups.body.tree.mass.copy()
+    held.groups.body.tree.mass[:] = -mass
     for k in range(1, 11):
         torque = held.tick()
         assert (np.abs(torque) <= np.abs(good) * 0.98**k * (1.0 + 1e-12)).all()
@@ -154,7 +154,7 @@ def test_failure_is_counted_and_the_torque_fades() -> None:
         assert (body.solves[0], body.fallbacks[0], body.infeasible[0]) == (20 + k, k, 0)
         assert held.controller.telemetry.qp_fallbacks[0] == k
         assert held.controller.telemetry.qp_status[0] != 0.0
-    held.groups.tree.mass[:] = mass
+    held.groups.body.tree.mass[:] = mass
     for _ in range(50):
         torque = held.tick()
     assert body.status[0] == 0

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from tests.whole_body.bodies import Body, Engine, moving, task
 from tests.whole_body.test_frames import heading
 
+from gaitsmith.whole_body.problem import JointBounds
 from gaitsmith.whole_body.reference import FLAT, HEEL, HIPS, NONE, WORLD
-from gaitsmith.whole_body.solve import JointBounds
 from gaitsmith.whole_body.tasks import turn_error
 
 Array = npt.NDArray[np.float64]

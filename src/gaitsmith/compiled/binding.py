@@ -15,7 +15,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import intrinsic, models, register_model
+from numba.extending import NativeValue, intrinsic, models, register_model, typeof_impl, unbox
 from numba.np import arrayobj
 
 Vector = Annotated[npt.NDArray[np.float64], 1]
@@ -24,7 +24,7 @@ Cube = Annotated[npt.NDArray[np.float64], 3]
 IntVector = Annotated[npt.NDArray[np.int64], 1]
 IntMatrix = Annotated[npt.NDArray[np.int64], 2]
 
-_WORDS = 4  # table words per field: address and up to three extents
+_WORDS = 4  # table words per field: address, of a group that of its own table, and up to three extents
 _Bound = TypeVar("_Bound", bound=tuple[Any, ...])
 
 
@@ -56,11 +56,6 @@ def _layout(cls: type) -> dict[str, Any]:
         else:
             raise TypeError(f"{cls.__name__}.{name}: {hint!r} cannot be bound; use float, int, an array, a named tuple")
     return found
-
-
-def _size(cls: type) -> int:
-    """Table rows that a named tuple takes."""
-    return sum(1 if isinstance(field, _Field) else _size(field) for field in _layout(cls).values())
 
 
 class View(types.Type):
@@ -101,14 +96,10 @@ class _ViewAttribute(AttributeTemplate):
 
 @lower_getattr_generic(View)
 def _lower_field(context: Any, builder: Any, view: View, address: Any, name: str) -> Any:
-    """Load one field of a view, and nothing else of it."""
-    at = 0
-    for other, field in _layout(view.cls).items():
-        if other == name:
-            start = builder.add(address, ir.IntType(64)(8 * _WORDS * at))
-            return _loaded(context, builder, field, start) if isinstance(field, _Field) else start
-        at += 1 if isinstance(field, _Field) else _size(field)
-    raise AttributeError(name)
+    """Load one field of a view, and nothing else of it; nothing writes to the table while a kernel runs."""
+    layout = _layout(view.cls)
+    row = builder.add(address, ir.IntType(64)(8 * _WORDS * [*layout].index(name)))
+    return _loaded(context, builder, layout[name], builder.inttoptr(row, ir.IntType(64).as_pointer()))
 
 
 def _constant(builder: Any, pointer: Any) -> Any:
@@ -118,10 +109,12 @@ def _constant(builder: Any, pointer: Any) -> Any:
     return loaded
 
 
-def _loaded(context: Any, builder: Any, field: _Field, address: Any) -> Any:
-    """An array or scalar whose row is at an address; nothing writes there while a kernel runs."""
-    word, member = ir.IntType(64), _field_type(field)
-    row = builder.inttoptr(address, word.as_pointer())
+def _loaded(context: Any, builder: Any, field: Any, row: Any) -> Any:
+    """The array, scalar or group of one row."""
+    word = ir.IntType(64)
+    if not isinstance(field, _Field):
+        return _constant(builder, row)
+    member = _field_type(field)
     words = [_constant(builder, builder.gep(row, [word(k)])) for k in range(1 + field.axes)]
     scalar = member if field.axes == 0 else member.dtype
     data = builder.inttoptr(words[0], context.get_data_type(scalar).as_pointer())
@@ -158,11 +151,14 @@ def bind(typingctx: Any, cls: Any, table: Any) -> Any:
 
 
 class Arena(Generic[_Bound]):
-    """Owns the arrays of one kernel and the table that tells the kernel where they lie.
+    """Owns the arrays of one kernel and the tables that tell the kernel where they lie.
+
+    From Python a kernel takes an arena where another kernel passes a view.
 
     Args:
         view: a named tuple whose annotations are ``float``, ``int``, the array kinds of this module, or named tuples
-            of these. Arrays that are already C-contiguous with the right dtype are shared, not copied.
+            of these. Arrays that are already C-contiguous with the right dtype are shared, not copied; so is a group
+            that is part of several groups.
 
     Attributes:
         view: the same tuple over the arena's own memory; a scalar field is a one-element array there, so that
@@ -171,22 +167,41 @@ class Arena(Generic[_Bound]):
     """
 
     def __init__(self, view: _Bound) -> None:
-        self._rows: list[list[int]] = []
-        self.view: _Bound = self._kept(view)
-        self._table = np.array(self._rows, dtype=np.int64)
-        self.address: int = self._table.ctypes.data
+        self._kept: dict[int, tuple[Any, Any, npt.NDArray[np.int64]]] = {}  # by group: itself, its copy, its table
+        self.view: _Bound = self._keep(view)
+        self.address: int = self._kept[id(view)][2].ctypes.data
 
-    def _kept(self, group: Any) -> Any:
-        """The group over memory that the arena owns; its rows are added to the table."""
+    def _keep(self, group: Any) -> Any:
+        """The group over memory that the arena owns, and its table."""
+        if id(group) in self._kept:
+            return self._kept[id(group)][1]
         kept: list[Any] = []
+        rows: list[list[int]] = []
         for (name, field), value in zip(_layout(type(group)).items(), group, strict=True):
             if not isinstance(field, _Field):
-                kept.append(self._kept(value))
+                kept.append(self._keep(value))
+                rows.append([self._kept[id(value)][2].ctypes.data, 0, 0, 0])
                 continue
             array = np.ascontiguousarray(value, dtype=field.dtype)
             if array.ndim != max(field.axes, 1) or (field.axes == 0 and array.size != 1):
                 raise TypeError(f"{type(group).__name__}.{name}: shape {np.shape(value)}, expected {field.axes} axes")
             kept.append(array)
             extents = list(array.shape) if field.axes else []
-            self._rows.append([array.ctypes.data, *extents] + [0] * (_WORDS - 1 - len(extents)))
-        return type(group)(*kept)
+            rows.append([array.ctypes.data, *extents] + [0] * (_WORDS - 1 - len(extents)))
+        self._kept[id(group)] = (group, type(group)(*kept), np.array(rows, dtype=np.int64))
+        return self._kept[id(group)][1]
+
+
+@typeof_impl.register(Arena)
+def _typeof_arena(arena: Arena[Any], context: object) -> View:
+    """From Python a kernel sees an arena as its view."""
+    return View(type(arena.view))
+
+
+@unbox(View)
+def _unbox_arena(view: View, arena: Any, c: Any) -> NativeValue:
+    """The address of an arena's table."""
+    number = c.pyapi.object_getattr_string(arena, "address")
+    address = c.pyapi.long_as_longlong(number)
+    c.pyapi.decref(number)
+    return NativeValue(address)

@@ -14,9 +14,9 @@ from gaitsmith.control.joint_torque import make_joint_feedback
 from gaitsmith.control.state import DAMPING, FOLLOWING, OFF, STANDING, STATE_NAMES, Tick, make_control_state
 from gaitsmith.control.telemetry import Telemetry, make_telemetry
 from gaitsmith.control.tick import tick
-from gaitsmith.dynamics.tree import make_tree_state, read_tree
+from gaitsmith.dynamics.tree import read_tree
 from gaitsmith.errors import BadInput
-from gaitsmith.estimation.estimator import make_estimator_gains, make_estimator_state
+from gaitsmith.estimation.estimator import Estimation, make_estimator_gains, make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, make_measurement
 from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
 from gaitsmith.planned.clock import PlanClock
@@ -28,20 +28,17 @@ from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait, gait_numbers
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
+from gaitsmith.template.state import Template, make_balance
 from gaitsmith.template.step import make_gait_inputs, make_step_state
 from gaitsmith.template.touchdown import make_touchdown_rule
-from gaitsmith.template.walking import make_balance
-from gaitsmith.whole_body.contact import make_contacts
-from gaitsmith.whole_body.forward_dynamics import make_motion_map
-from gaitsmith.whole_body.frames import make_frames
+from gaitsmith.whole_body.frames import make_body
 from gaitsmith.whole_body.legs import make_legs
+from gaitsmith.whole_body.problem import make_whole_body
 from gaitsmith.whole_body.reference import make_reference
-from gaitsmith.whole_body.solve import make_whole_body, problem_size
 
 CONTROL_PERIOD = 1e-3
 TRACKINGS = ("whole-body", "replay")
 _YAW = 2  # of a sole's three turning axes
-_KEPT = ("step", "control", "estimator", "reference", "contacts", "body", "program", "chains", "inverse_program")
 
 
 class Controller:
@@ -98,17 +95,18 @@ class Controller:
         self.telemetry: Telemetry = self._g.telemetry
         self._torque = self._g.control.torque
         self.reference = self._g.reference
-        self.sole_pitch = self._g.frames.sole_pitch
-        self._initial = [[array.copy() for array in getattr(self._g, name)] for name in _KEPT]
+        self.sole_pitch = self._g.body.frames.sole_pitch
+        self._initial = [[array.copy() for array in group] for group in _memory(self._g)]
         self.reset()
 
     def reset(self) -> None:
         """Forget everything but the requested gait: at rest on both feet, counters at zero."""
-        for name, initial in zip(_KEPT, self._initial, strict=True):
-            for array, first in zip(getattr(self._g, name), initial, strict=True):
+        for group, initial in zip(_memory(self._g), self._initial, strict=True):
+            for array, first in zip(group, initial, strict=True):
                 array[...] = first
-        self._g.step.standing_height[0] = self.gait.height
-        for inputs in (self._g.requested.values, self._g.latched.values, self._g.control.mailbox):
+        template = self._g.template
+        template.step.standing_height[0] = self.gait.height
+        for inputs in (template.requested.values, template.latched.values, self._g.control.mailbox):
             inputs[...] = make_gait_inputs(self.gait).values
 
     @property
@@ -172,7 +170,7 @@ class Controller:
         restart_following(self._g.following)
         self._g.control.replays[0] = int(self._replays)
         self._g.control.asked[0] = FOLLOWING
-        self._g.body.fresh[0], self._g.control.sent[0] = 1, 0
+        self._g.whole_body.solution.fresh[0], self._g.control.sent[0] = 1, 0
 
     @property
     def plan_clock(self) -> PlanClock:
@@ -198,23 +196,23 @@ class Controller:
         """Start walking at the next tick; in place if the commanded speed is zero."""
         self._refuse_while_following("walk", True)
         self._g.control.asked[0] = STANDING
-        self._g.step.walk_requested[0] = 1
+        self._g.template.step.walk_requested[0] = 1
 
     def stand(self) -> None:
         """Come to rest: command neither speed nor turning, and stay on both feet once slow enough."""
         self.command(**at_rest(self.gait.model_dump()))
         self._g.control.asked[0] = STANDING
-        self._g.step.walk_requested[0] = 0
+        self._g.template.step.walk_requested[0] = 0
 
     def damp(self) -> None:
         """Brake all joints and do nothing else, until :meth:`stand` or :meth:`walk`."""
         self._g.control.asked[0] = DAMPING
-        self._g.step.walk_requested[0] = 0
+        self._g.template.step.walk_requested[0] = 0
 
     def off(self) -> None:
         """Take the torque away, until :meth:`stand` or :meth:`walk`."""
         self._g.control.asked[0] = OFF
-        self._g.step.walk_requested[0] = 0
+        self._g.template.step.walk_requested[0] = 0
 
     def tick(self, measurement: Measurement | None = None) -> npt.NDArray[np.float64]:
         """Advance by one control period.
@@ -232,6 +230,15 @@ class Controller:
         return self._torque
 
 
+def _memory(g: Tick) -> list[Any]:
+    """Groups of arrays that a reset puts back to what they were at first."""
+    template, problem = g.template, g.whole_body
+    return [
+        *(template.step, template.chains, template.inverse_program, g.control, g.estimation.state, g.reference),
+        *((g.body.q, g.body.v), problem.contacts, problem.solution, problem.program),
+    ]
+
+
 def _make_view(
     robot: Robot,
     scale: Scale,
@@ -241,45 +248,51 @@ def _make_view(
     telemetry: Telemetry,
 ) -> Tick:
     """All that a tick reads and writes, before an arena owns it."""
-    n_joints, n_soles, nv = len(robot.joint_names), len(robot.legs), robot.model.nv
-    tree = read_tree(robot.model)
+    n_joints, n_soles = len(robot.joint_names), len(robot.legs)
     chains = [make_leg_kinematics(robot, leg) for leg in robot.legs]
     n_leg = len(robot.legs[0].joints)
     turns = all(chain.turning[_YAW] for chain in chains)
-    inputs = make_gait_inputs(gait)
-    return Tick(
-        tree=tree,
-        tree_state=make_tree_state(tree),
-        legs=make_legs(robot),
-        frames=make_frames(nv, n_soles),
+    inputs, gains = make_gait_inputs(gait), make_gains(parameters, CONTROL_PERIOD)
+    body, reference = make_body(read_tree(robot.model), make_legs(robot)), make_reference(n_soles, n_joints)
+    whole_body = make_whole_body(body, reference, gains.pop("contact_bounds"), gains.pop("joint_bounds"))
+    measurement = make_measurement(n_joints, n_soles)
+    control = make_control_state(n_joints, estimated, turns, len(inputs.values))
+    filters = make_estimator_gains(
+        parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight, robot.imu_rotation
+    )
+    template = Template(
+        body=body,
+        reference=reference,
+        sole_force=measurement.sole_force,
+        acceleration=whole_body.solution.acceleration,
+        turns=control.turns,
         requested=inputs,
         latched=make_gait_inputs(gait),
         step=make_step_state(n_soles, n_leg),
         foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height),
         speed=make_speed_gains(parameters.speed),
         forecast=Forecast(np.zeros(3), *(np.zeros(2) for _ in range(4))),
-        balance=make_balance(n_joints),
+        balance=make_balance(),
         touchdown=make_touchdown_rule(parameters.touchdown),
-        reference=make_reference(n_soles, n_joints),
-        contacts=make_contacts(nv, n_soles),
-        motion=make_motion_map(nv, n_joints, n_soles),
-        body=make_whole_body(nv, n_joints, n_soles),
-        program=make_quadratic_program(*problem_size(n_joints, n_soles)),
-        feedback=make_joint_feedback(parameters.joint_gains_estimated if estimated else parameters.joint_gains, n_leg),
         chains=make_leg_table(chains),
         inverse=make_inverse_kinematics(n_leg),
         inverse_program=make_quadratic_program(n_leg, 0),
+        **{name: gains.pop(name) for name in ("times", "cop", "shares", "rest", "inverse_gains")},
+    )
+    return Tick(
+        body=body,
+        reference=reference,
+        template=template,
+        whole_body=whole_body,
         following=make_following(robot),
         following_tasks=make_following_tasks(scale, parameters),
         replay=_replay_gains(scale, ReplayParameters()),
-        measurement=make_measurement(n_joints, n_soles),
-        control=make_control_state(n_joints, estimated, turns, len(inputs.values)),
-        estimator_gains=make_estimator_gains(
-            parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight, robot.imu_rotation
-        ),
-        estimator=make_estimator_state(n_joints, n_soles),
+        feedback=make_joint_feedback(parameters.joint_gains_estimated if estimated else parameters.joint_gains, n_leg),
+        measurement=measurement,
+        control=control,
+        estimation=Estimation(body, measurement, filters, make_estimator_state(n_joints, n_soles)),
         telemetry=telemetry,
-        **make_gains(parameters, CONTROL_PERIOD),
+        **gains,
     )
 
 

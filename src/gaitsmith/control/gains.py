@@ -9,11 +9,9 @@ from gaitsmith.control.state import TickGains
 from gaitsmith.kinematics.inverse import InverseGains
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.balance import CopGains
-from gaitsmith.template.phase import RestGains
-from gaitsmith.template.step_time import StepTimeGains
-from gaitsmith.template.walking import JointShares
+from gaitsmith.template.state import JointShares, RestGains, StepTimeGains
 from gaitsmith.whole_body.contact import ContactBounds
-from gaitsmith.whole_body.solve import JointBounds
+from gaitsmith.whole_body.problem import JointBounds
 from gaitsmith.whole_body.tasks import Task, TaskTable
 
 _BRAKE = 0.05  # of the torque limit per rad/s

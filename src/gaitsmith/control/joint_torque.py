@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import NONE, Reference
 
 if TYPE_CHECKING:
@@ -41,10 +41,9 @@ def bounded_torque(feedforward: float, feedback: float, limit: float) -> float:
 
 
 @kernel
-def add_joint_feedback(
-    feedback: JointFeedback, legs: Legs, reference: Reference, q: Vector, v: Vector, torque: Vector
-) -> None:
+def add_joint_feedback(feedback: JointFeedback, body: Body, reference: Reference, torque: Vector) -> None:
     """Add the PD of eq. 27 to ``torque`` (nj,), with the gains of a swing or a stance leg."""
+    legs, q, v = body.legs, body.q, body.v
     for leg in range(legs.joints.shape[0]):
         row = 0 if reference.contact[leg] == NONE else 1
         for i in range(legs.joints.shape[1]):

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from gaitsmith.compiled import bind, kernel
+from gaitsmith.compiled import kernel
 from gaitsmith.control.state import FOLLOWING, Tick
 from gaitsmith.template.step import WALK
 from gaitsmith.whole_body.reference import FLAT, NONE
 
 
 @kernel
-def _report_sole(table: int, leg: int) -> None:
+def _report_sole(g: Tick, leg: int) -> None:
     """Desired and actual place, planned wrench and ZMP, and measured force of one sole."""
-    g = bind(Tick, table)
-    out, wrench, axes = g.telemetry, g.body.wrench[leg], g.contacts.axes[leg]
+    out, frames, contacts = g.telemetry, g.body.frames, g.whole_body.contacts
+    wrench, axes, desired = g.whole_body.solution.wrench[leg], contacts.axes[leg], g.template.step.foot_desired[leg]
     if g.control.state[0] == FOLLOWING:
-        cos, sin, hip = g.frames.cos_yaw[0], g.frames.sin_yaw[0], g.frames.hip_position
-        wanted, desired = g.reference.sole_position[leg], g.step.foot_desired[leg]
+        cos, sin, hip = frames.cos_yaw[0], frames.sin_yaw[0], frames.hip_position
+        wanted = g.reference.sole_position[leg]
         x, y = wanted[0] - hip[0], wanted[1] - hip[1]
         desired[0, 0], desired[0, 1], desired[0, 2] = cos * x + sin * y, cos * y - sin * x, wanted[2] - hip[2]
     for i in range(3):
-        out.foot_desired[3 * leg + i] = g.step.foot_desired[leg, 0, i]
-        out.foot_actual[3 * leg + i] = g.frames.relative_position[leg, i]
+        out.foot_desired[3 * leg + i] = desired[0, i]
+        out.foot_actual[3 * leg + i] = frames.relative_position[leg, i]
     normal = moment_x = moment_y = 0.0
     for i in range(3):
         normal += axes[i, 2] * wrench[i]
@@ -28,21 +28,20 @@ def _report_sole(table: int, leg: int) -> None:
         moment_y += axes[i, 1] * wrench[3 + i]
         out.wrench[6 * leg + i] = wrench[i]
         out.wrench[6 * leg + 3 + i] = wrench[3 + i]
-    loaded = g.contacts.kind[leg] != NONE and normal > 1e-6
+    loaded = contacts.kind[leg] != NONE and normal > 1e-6
     out.zmp[2 * leg] = -moment_y / normal if loaded else 0.0
     out.zmp[2 * leg + 1] = moment_x / normal if loaded else 0.0
     out.sole_force[leg] = g.measurement.sole_force[leg]
 
 
 @kernel
-def _report_step(table: int) -> None:
+def _report_step(g: Tick) -> None:
     """Gait and step."""
-    g = bind(Tick, table)
-    out, step, frames = g.telemetry, g.step, g.frames
+    out, step, foothold = g.telemetry, g.template.step, g.template.foothold
     following = g.control.state[0] == FOLLOWING
     walking = step.mode[0] == WALK or following
     bearing, stance = 0, 0
-    for leg in range(g.legs.side.shape[0]):
+    for leg in range(g.reference.contact.shape[0]):
         if g.reference.contact[leg] != NONE:
             bearing += 1
         if g.reference.contact[leg] == FLAT:
@@ -51,31 +50,30 @@ def _report_step(table: int) -> None:
     plan, clock = g.following.plan, g.following.clock
     out.plan_phase[0] = float(plan.phase[plan.sequence[clock.visit[0]]]) if following else -1.0
     out.plan_lead[0] = clock.lead[0] if following else 0.0
-    out.stance[0] = float(stance) if bearing == 1 else float(g.legs.side.shape[0])
+    out.stance[0] = float(stance) if bearing == 1 else float(g.reference.contact.shape[0])
     out.step_time[0] = step.time[0]
     out.step_count[0] = step.count[0]
     out.step_duration[0] = step.last_duration[0]
     for k in range(out.command.shape[0]):
-        out.command[k] = g.latched.values[k]
+        out.command[k] = g.template.latched.values[k]
     for axis in range(2):
         out.foothold[axis] = step.foothold[axis] if not following else g.following.state.goal[axis]
         out.integral[axis] = step.integral[axis]
-    bound = (not following and abs(step.foothold[0]) >= g.foothold.reach) or abs(step.foothold[1]) >= g.foothold.spread
+    bound = (not following and abs(step.foothold[0]) >= foothold.reach) or abs(step.foothold[1]) >= foothold.spread
     out.foothold_bound[0] = 1.0 if bound and walking else 0.0
     out.heading[0] = step.heading[0]
-    out.hip_height[0] = -frames.relative_position[step.stance[0], 2]
+    out.hip_height[0] = -g.body.frames.relative_position[step.stance[0], 2]
     out.ik_fallbacks[0] = step.inverse_fallbacks[0]
     out.touchdowns_forced[0] = step.forced[0]
 
 
 @kernel
-def report(table: int) -> None:
+def report(g: Tick) -> None:
     """Fill the telemetry of this tick."""
-    g = bind(Tick, table)
-    out, frames, control, body = g.telemetry, g.frames, g.control, g.body
+    out, frames, control, body, found = g.telemetry, g.body.frames, g.control, g.body, g.whole_body.solution
     out.time[0] = control.time[0]
     out.control_state[0] = control.state[0]
-    _report_step(table)
+    _report_step(g)
     for i in range(3):
         out.com_velocity[i] = frames.com_velocity[i]
     for i in range(2):
@@ -84,15 +82,15 @@ def report(table: int) -> None:
     out.yaw[0], out.yaw_rate[0] = frames.yaw[0], frames.yaw_rate[0]
     for j in range(control.torque.shape[0]):
         out.joint_desired[j] = g.reference.joint[0, j]
-        out.joint_position[j] = control.q[7 + j]
-        out.joint_velocity[j] = control.v[6 + j]
-        out.torque_feedforward[j] = body.torque[j]
+        out.joint_position[j] = body.q[7 + j]
+        out.joint_velocity[j] = body.v[6 + j]
+        out.torque_feedforward[j] = found.torque[j]
         out.torque[j] = control.torque[j]
-    for leg in range(g.legs.side.shape[0]):
-        _report_sole(table, leg)
-    out.qp_status[0], out.qp_iterations[0] = body.status[0], body.iterations[0]
-    out.qp_solves[0], out.qp_fallbacks[0] = body.solves[0], body.fallbacks[0]
-    out.qp_infeasible[0], out.stops_dropped[0] = body.infeasible[0], body.stops_dropped[0]
+    for leg in range(g.reference.contact.shape[0]):
+        _report_sole(g, leg)
+    out.qp_status[0], out.qp_iterations[0] = found.status[0], found.iterations[0]
+    out.qp_solves[0], out.qp_fallbacks[0] = found.solves[0], found.fallbacks[0]
+    out.qp_infeasible[0], out.stops_dropped[0] = found.infeasible[0], found.stops_dropped[0]
     for k in range(control.refused.shape[0]):
         out.refused[k] = control.refused[k]
     out.refused_ticks[0] = control.refused_ticks[0]

@@ -9,26 +9,14 @@ import numpy as np
 from gaitsmith.compiled import IntVector, Vector
 from gaitsmith.control.joint_torque import JointFeedback
 from gaitsmith.control.telemetry import Telemetry
-from gaitsmith.dynamics.tree import Tree, TreeState
-from gaitsmith.estimation.estimator import EstimatorGains, EstimatorState
+from gaitsmith.estimation.estimator import Estimation
 from gaitsmith.estimation.measurement import Measurement
-from gaitsmith.kinematics.inverse import InverseGains, InverseKinematics, LegTable
 from gaitsmith.planned.law import Following
 from gaitsmith.planned.replay import ReplayGains
-from gaitsmith.qp.quadratic_program import QuadraticProgram
-from gaitsmith.template.balance import CopGains
-from gaitsmith.template.foothold import FootholdGains, Forecast, SpeedGains
-from gaitsmith.template.phase import RestGains
-from gaitsmith.template.step import GaitInputs, StepState
-from gaitsmith.template.step_time import StepTimeGains
-from gaitsmith.template.touchdown import TouchdownRule
-from gaitsmith.template.walking import Balance, JointShares
-from gaitsmith.whole_body.contact import ContactBounds, Contacts
-from gaitsmith.whole_body.forward_dynamics import MotionMap
-from gaitsmith.whole_body.frames import Frames
-from gaitsmith.whole_body.legs import Legs
+from gaitsmith.template.state import Template
+from gaitsmith.whole_body.frames import Body
+from gaitsmith.whole_body.problem import WholeBody
 from gaitsmith.whole_body.reference import Reference
-from gaitsmith.whole_body.solve import JointBounds, WholeBody
 from gaitsmith.whole_body.tasks import TaskTable
 
 OFF, DAMPING, STANDING, WALKING, FAULT, AIRBORNE, FOLLOWING = range(7)
@@ -45,9 +33,8 @@ class ControlState(NamedTuple):
         state: (1,) control state, one of :data:`STATE_NAMES`.
         asked: (1,) OFF, DAMPING or FOLLOWING if asked for, else STANDING: the template decides.
         replays: (1,) 1 if a plan is replayed by the joints alone.
-        q: (7 + nj,) true or estimated configuration.
-        v: (6 + nj,) true or estimated velocity.
         torque: (nj,) last torque sent, N·m.
+        wanted: (nj,) torque of a tick before it is bounded, N·m.
         held: (nj,) joint angles in which the robot last stood on the ground, held in the air, rad.
         refused: (8,) ticks refused for the readings of each sensor, in the order of :class:`Measurement`.
         refused_ticks: (1,) ticks refused.
@@ -64,9 +51,8 @@ class ControlState(NamedTuple):
     state: IntVector
     asked: IntVector
     replays: IntVector
-    q: Vector
-    v: Vector
     torque: Vector
+    wanted: Vector
     held: Vector
     refused: IntVector
     refused_ticks: IntVector
@@ -96,45 +82,21 @@ class TickGains(NamedTuple):
 
 
 class Tick(NamedTuple):
-    """Everything that a tick reads and writes: ``g.step.time`` inside a kernel."""
+    """Everything that a tick reads and writes: ``g.template.step.time`` inside a kernel."""
 
-    tree: Tree
-    tree_state: TreeState
-    legs: Legs
-    frames: Frames
-    requested: GaitInputs
-    latched: GaitInputs
-    step: StepState
-    foothold: FootholdGains
-    speed: SpeedGains
-    times: StepTimeGains
-    cop: CopGains
-    shares: JointShares
-    forecast: Forecast
-    balance: Balance
-    touchdown: TouchdownRule
-    rest: RestGains
-    gains: TickGains
+    body: Body
     reference: Reference
+    template: Template
+    whole_body: WholeBody
     tasks: TaskTable
-    contacts: Contacts
-    contact_bounds: ContactBounds
-    joint_bounds: JointBounds
-    motion: MotionMap
-    body: WholeBody
-    program: QuadraticProgram
-    feedback: JointFeedback
-    chains: LegTable
-    inverse_gains: InverseGains
-    inverse: InverseKinematics
-    inverse_program: QuadraticProgram
-    following: Following
     following_tasks: TaskTable
+    following: Following
     replay: ReplayGains
+    feedback: JointFeedback
+    gains: TickGains
     measurement: Measurement
     control: ControlState
-    estimator_gains: EstimatorGains
-    estimator: EstimatorState
+    estimation: Estimation
     telemetry: Telemetry
 
 
@@ -149,9 +111,8 @@ def make_control_state(n_joints: int, estimated: bool, turns: bool, n_inputs: in
         state=whole(STANDING),
         asked=whole(STANDING),
         replays=whole(),
-        q=np.zeros(7 + n_joints),
-        v=np.zeros(6 + n_joints),
         torque=np.zeros(n_joints),
+        wanted=np.zeros(n_joints),
         held=np.zeros(n_joints),
         refused=np.zeros(len(Measurement._fields), dtype=np.int64),
         refused_ticks=whole(),

@@ -7,18 +7,19 @@ world axis has its own filter with the state (position, velocity, accelerometer 
 
 from __future__ import annotations
 
-from gaitsmith.compiled import IntVector, Vector, kernel
+from typing import NamedTuple
+
+from gaitsmith.compiled import IntVector, kernel
 from gaitsmith.dynamics.contact import sole_pose
 from gaitsmith.dynamics.kinematics import forward_kinematics, forward_velocities
 from gaitsmith.dynamics.points import point_velocity
-from gaitsmith.dynamics.tree import Tree, TreeState
 from gaitsmith.estimation.filters import EstimatorGains as EstimatorGains
 from gaitsmith.estimation.filters import EstimatorState as EstimatorState
 from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_joints, predict_axis, turn_to_torso
 from gaitsmith.estimation.filters import make_estimator_gains as make_estimator_gains
 from gaitsmith.estimation.filters import make_estimator_state as make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, is_usable
-from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import FLAT
 
 
@@ -58,41 +59,33 @@ def _trust(gains: EstimatorGains, state: EstimatorState, leg: int, force: float,
     return min(force / gains.full_force, 1.0)
 
 
-@kernel
-def estimate(
-    tree: Tree,
-    tree_state: TreeState,
-    legs: Legs,
-    gains: EstimatorGains,
-    state: EstimatorState,
-    measurement: Measurement,
-    dt: float,
-    in_contact: IntVector,
-    refused: IntVector,
-    q_out: Vector,
-    v_out: Vector,
-) -> bool:
-    """One tick of all filters.
+class Estimation(NamedTuple):
+    """What the estimator reads and writes; of the measurement only what the sensors say."""
 
-    Afterwards ``tree_state`` holds poses, motion subspaces, velocities for the estimated attitude and joints with
-    the base at the origin and without linear velocity; the caller updates it with ``q_out`` and ``v_out``.
+    body: Body
+    measurement: Measurement
+    gains: EstimatorGains
+    state: EstimatorState
+
+
+@kernel
+def estimate(g: Estimation, dt: float, in_contact: IntVector, refused: IntVector) -> bool:
+    """One tick of all filters: the body's q and v; x and y start at 0, z = 0 is below the lowest sole at the start.
+
+    Afterwards the body's tree state holds poses, motion subspaces, velocities for the estimated attitude and joints
+    with the base at the origin and without linear velocity; the caller updates it.
 
     Args:
-        tree: the robot; its first joint is free and the rest are the actuated hinges and slides.
-        tree_state: overwritten.
-        legs: sole frames.
-        gains: from :func:`make_estimator_gains`.
-        state: from :func:`make_estimator_state`.
-        measurement: only attitude, joint angles, accelerometer, gyro, and sole forces are read.
+        g: the robot's first joint is free and the rest are the actuated hinges and slides.
         dt: s.
         in_contact: (n_legs,) 1 for a sole that is planned to stand; it counts if its force says so too.
         refused: (8,) counts sensors whose readings cannot be used.
-        q_out: (7 + nj,) receives the configuration; x and y start at 0, z = 0 is below the lowest sole at the start.
-        v_out: (6 + nj,) receives the velocity.
 
     Returns:
         False if a sensor gave no usable number; then nothing was changed.
     """
+    tree, tree_state, legs, q_out, v_out = g.body.tree, g.body.state, g.body.legs, g.body.q, g.body.v
+    gains, state, measurement = g.gains, g.state, g.measurement
     if not is_usable(measurement, True, refused):
         return False
     turn_to_torso(gains, state, measurement)
@@ -113,11 +106,7 @@ def estimate(
     forward_kinematics(tree, tree_state, q_out)
     forward_velocities(tree, tree_state, v_out)
 
-    axes, spin, f = (
-        tree_state.body_rotation[legs.torso[0]],
-        tree_state.velocity[legs.torso[0]],
-        state.force,
-    )
+    axes, spin, f = tree_state.body_rotation[legs.torso[0]], tree_state.velocity[legs.torso[0]], state.force
     local = gains.imu_position
     x = axes[0, 0] * local[0] + axes[0, 1] * local[1] + axes[0, 2] * local[2]
     y = axes[1, 0] * local[0] + axes[1, 1] * local[1] + axes[1, 2] * local[2]

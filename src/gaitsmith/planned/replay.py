@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.compiled import Vector, kernel
 from gaitsmith.planned.law import FollowParameters
-from gaitsmith.whole_body.legs import Legs
+from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import FLAT, Reference
 
 BY_CLOCK_ALONE = FollowParameters(earliest=2.0)
@@ -40,20 +40,9 @@ class ReplayGains(NamedTuple):
 
 
 @kernel
-def replay_torque(
-    gains: ReplayGains, legs: Legs, reference: Reference, torso: Matrix, q: Vector, v: Vector, torque: Vector
-) -> None:
-    """Joint torques that replay a reference.
-
-    Args:
-        gains: of the law.
-        legs: the robot's legs.
-        reference: joints, planned torque, torso and contacts.
-        torso: (3, 3) torso to world.
-        q: (7 + nj,) configuration.
-        v: (6 + nj,) velocity.
-        torque: (nj,) receives the torques before their limits, N·m.
-    """
+def replay_torque(gains: ReplayGains, body: Body, reference: Reference, torque: Vector) -> None:
+    """Joint torques that replay a reference's joints, torque, torso and contacts, into ``torque`` (nj,), N·m."""
+    legs, q, v, torso = body.legs, body.q, body.v, body.state.body_rotation[body.legs.torso[0]]
     for j in range(torque.shape[0]):
         torque[j] = reference.torque[j] + gains.stiffness * (reference.joint[0, j] - q[7 + j])
         torque[j] += gains.damping * (reference.joint[1, j] - v[6 + j])

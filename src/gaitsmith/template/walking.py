@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.dynamics.tree import TreeState
-from gaitsmith.kinematics.inverse import InverseGains, InverseKinematics, LegTable, leg_row, leg_step
-from gaitsmith.qp.quadratic_program import QuadraticProgram
-from gaitsmith.template.balance import CopGains, divergent_reference, stance_cop
+from gaitsmith.kinematics.inverse import leg_row, leg_step
+from gaitsmith.template.balance import divergent_reference, stance_cop
 from gaitsmith.template.foothold import (
-    FootholdGains,
-    Forecast,
-    SpeedGains,
     choose_speed,
     foothold_target,
     forecast_touchdown,
@@ -23,118 +15,55 @@ from gaitsmith.template.foothold import (
     pendulum_frequency,
 )
 from gaitsmith.template.phase import com_over_sole, within_turn
-from gaitsmith.template.step import GaitInputs, StepState
-from gaitsmith.template.step_time import StepTimeGains, adapt_duration
-from gaitsmith.template.touchdown import TouchdownRule
+from gaitsmith.template.state import Template
+from gaitsmith.template.step_time import adapt_duration
 from gaitsmith.template.trajectory import support_height, swing_foot, swing_pitch, swing_yaw
 from gaitsmith.whole_body.frames import Frames, to_heading
-from gaitsmith.whole_body.legs import Legs
-from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, Reference, level_rotation
-
-
-class JointShares(NamedTuple):
-    """Weights of the legs' joints while walking: stance knee, swing joints, swing ankle, 1/(rad/s²)²."""
-
-    knee: float
-    swing_joint: float
-    swing_ankle: float
-
-
-class Balance(NamedTuple):
-    """Scratch of the balance; heading frame.
-
-    Attributes:
-        divergent: (2,) reference of the divergent component, relative to the stance sole, m.
-        cop: (2,) wanted centre of pressure, relative to the stance sole, m.
-        foot: (2,) swing sole relative to the CoM, m.
-        curve: (3,) one coordinate, its rate and acceleration.
-        position: (3,) a sole in the torso frame, m.
-        velocity: (3,) its velocity, m/s.
-        rotation: (3, 3) sole to torso.
-        torque: (nj,) N·m, of a tick before it is bounded.
-    """
-
-    divergent: Vector
-    cop: Vector
-    foot: Vector
-    curve: Vector
-    position: Vector
-    velocity: Vector
-    rotation: Matrix
-    torque: Vector
-
-
-def make_balance(n_joints: int) -> Balance:
-    """Scratch for a robot with ``n_joints`` joints."""
-    pairs, triples = [np.zeros(2) for _ in range(3)], [np.zeros(3) for _ in range(3)]
-    return Balance(*pairs, *triples, np.zeros((3, 3)), np.zeros(n_joints))  # type: ignore[call-arg]
+from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, level_rotation
 
 
 @kernel
-def plan_step(
-    step: StepState,
-    latched: GaitInputs,
-    foothold: FootholdGains,
-    speed: SpeedGains,
-    times: StepTimeGains,
-    touchdown: TouchdownRule,
-    forecast: Forecast,
-    balance: Balance,
-    legs: Legs,
-    frames: Frames,
-    tree_state: TreeState,
-    acceleration: Vector,
-    dt: float,
-) -> None:
-    """Desired sole states of this tick; the foothold follows the CoM.
-
-    ``acceleration`` (nv,) is what the last whole-body solution predicted.
-    """
+def plan_step(g: Template, dt: float) -> None:
+    """Desired sole states of this tick; the foothold follows the CoM."""
+    step, latched, forecast, curve = g.step, g.latched, g.forecast, g.balance.curve
+    frames, state = g.body.frames, g.body.state
     stance = step.stance[0]
-    swing = legs.other[stance]
-    side = legs.side[swing]
-    com = tree_state.com
-    support_height(step, latched, balance.curve)
+    swing = g.body.legs.other[stance]
+    side, com = g.body.legs.side[swing], state.com
+    support_height(step, latched, curve)
     support = step.foot_desired[stance]
     for axis in range(2):
         support[0, axis] = frames.relative_position[stance, axis]
         support[1, axis] = frames.relative_velocity[stance, axis]
         support[2, axis] = 0.0
     for order in range(3):
-        support[order, 2] = balance.curve[order]
+        support[order, 2] = curve[order]
     observe_motion(step, frames.com_velocity, com)
-    com_over_sole(frames, com, stance, forecast.arm)
+    com_over_sole(g, stance)
     to_heading(frames, com[0] - step.station[0], com[1] - step.station[1], forecast.drift)
-    x, y = tree_state.com_bias[0], tree_state.com_bias[1]
-    for k in range(acceleration.shape[0]):
-        x += tree_state.com_jacobian[0, k] * acceleration[k]
-        y += tree_state.com_jacobian[1, k] * acceleration[k]
+    x, y, jacobian = state.com_bias[0], state.com_bias[1], state.com_jacobian
+    for k in range(g.acceleration.shape[0]):
+        x += jacobian[0, k] * g.acceleration[k]
+        y += jacobian[1, k] * g.acceleration[k]
     to_heading(frames, x, y, forecast.acceleration)
-    choose_speed(step, latched, speed, forecast)
+    choose_speed(step, latched, g.speed, forecast)
     for axis in range(2):
-        balance.foot[axis] = frames.relative_position[swing, axis] - frames.com_offset[axis]
-    adapt_duration(step, latched, foothold, times, forecast, frames.com_velocity, balance.foot, side, dt)
-    forecast_touchdown(step, latched, foothold, frames.com_velocity, side, forecast)
+        g.balance.foot[axis] = frames.relative_position[swing, axis] - frames.com_offset[axis]
+    adapt_duration(g, side, dt)
+    forecast_touchdown(step, latched, g.foothold, frames.com_velocity, side, forecast)
     beside = frames.relative_position[stance, 1]
-    foothold_target(step, latched, foothold, forecast, frames.com_offset, beside, side, step.foothold)
-    swing_foot(
-        step,
-        latched,
-        step.foothold,
-        -latched.height[0],
-        touchdown.descent_speed,
-        balance.curve,
-        step.foot_desired[swing],
-    )
+    foothold_target(step, latched, g.foothold, forecast, frames.com_offset, beside, side, step.foothold)
+    ground, descent = -latched.height[0], g.touchdown.descent_speed
+    swing_foot(step, latched, step.foothold, ground, descent, curve, step.foot_desired[swing])
 
 
 @kernel
-def restart_leg(step: StepState, legs: Legs, leg: int, q: Vector, v: Vector) -> None:
+def restart_leg(g: Template, leg: int) -> None:
     """Restart a leg's inverse kinematics from its measured joints (section 2.2, second rule)."""
-    for i in range(legs.joints.shape[1]):
-        joint = legs.joints[leg, i]
-        step.leg_reference[leg, i] = q[7 + joint]
-        step.leg_rate[leg, i] = v[6 + joint]
+    joints = g.body.legs.joints
+    for i in range(joints.shape[1]):
+        g.step.leg_reference[leg, i] = g.body.q[7 + joints[leg, i]]
+        g.step.leg_rate[leg, i] = g.body.v[6 + joints[leg, i]]
 
 
 @kernel
@@ -147,41 +76,28 @@ def _to_torso(torso: Matrix, frames: Frames, vector: Vector, out: Vector) -> Non
 
 
 @kernel
-def track_leg(
-    step: StepState,
-    gains: InverseGains,
-    chains: LegTable,
-    scratch: InverseKinematics,
-    program: QuadraticProgram,
-    balance: Balance,
-    legs: Legs,
-    frames: Frames,
-    tree_state: TreeState,
-    reference: Reference,
-    leg: int,
-    dt: float,
-) -> None:
+def track_leg(g: Template, leg: int, dt: float) -> None:
     """One inverse-kinematics step of one leg towards its desired sole; its joints become references."""
-    torso = tree_state.body_rotation[legs.torso[0]]
-    desired = step.foot_desired[leg]
-    _to_torso(torso, frames, desired[0], balance.position)
-    _to_torso(torso, frames, desired[1], balance.velocity)
-    wanted = reference.sole_rotation[leg]
+    step, legs, balance, reference = g.step, g.body.legs, g.balance, g.reference
+    torso, position, wanted = g.body.state.body_rotation[legs.torso[0]], balance.position, reference.sole_rotation[leg]
+    angle, rate = step.leg_reference[leg], step.leg_rate[leg]
+    _to_torso(torso, g.body.frames, step.foot_desired[leg, 0], position)
+    _to_torso(torso, g.body.frames, step.foot_desired[leg, 1], balance.velocity)
     for i in range(3):
-        balance.position[i] += legs.hip_midpoint[i]
+        position[i] += legs.hip_midpoint[i]
         for j in range(3):
             balance.rotation[i, j] = (
                 torso[0, i] * wanted[0, j] + torso[1, i] * wanted[1, j] + torso[2, i] * wanted[2, j]
             )
     status = leg_step(
-        leg_row(chains, leg),
-        scratch,
-        program,
-        chains.active[leg],
-        gains,
-        step.leg_reference[leg],
-        step.leg_rate[leg],
-        balance.position,
+        leg_row(g.chains, leg),
+        g.inverse,
+        g.inverse_program,
+        g.chains.active[leg],
+        g.inverse_gains,
+        angle,
+        rate,
+        position,
         balance.velocity,
         balance.rotation,
         dt,
@@ -190,29 +106,21 @@ def track_leg(
         step.inverse_fallbacks[0] += 1
     for i in range(legs.joints.shape[1]):
         joint = legs.joints[leg, i]
-        reference.joint[0, joint] = step.leg_reference[leg, i]
-        reference.joint[1, joint] = step.leg_rate[leg, i]
+        reference.joint[0, joint], reference.joint[1, joint] = angle[i], rate[i]
 
 
 @kernel
-def set_torso(step: StepState, legs: Legs, turns: int, frames: Frames, reference: Reference) -> None:
-    """Torso upright; its heading held, or turned as commanded, on legs that can turn."""
-    yaw, rate = frames.yaw[0], 0.0
-    if turns == 1:
-        away = within_turn(step.heading[0] - yaw)
-        yaw += min(max(away, -0.5), 0.5)
-        rate = 1.0
+def set_torso(g: Template) -> None:
+    """Torso upright, its heading held or turned where legs can turn; joints outside the legs hold their posture."""
+    reference, legs, yaw = g.reference, g.body.legs, g.body.frames.yaw[0]
+    if g.turns[0] == 1:
+        yaw += min(max(within_turn(g.step.heading[0] - yaw), -0.5), 0.5)
     level_rotation(math.cos(yaw), math.sin(yaw), 1.0, 0.0, reference.torso_rotation)
     reference.torso_weight[0] = reference.torso_weight[1] = 1.0
-    reference.torso_weight[2] = rate
+    reference.torso_weight[2] = float(g.turns[0])
     for axis in range(3):
         reference.torso_spin[axis] = 0.0
         reference.torso_angular_acceleration[axis] = 0.0
-
-
-@kernel
-def hold_posture(legs: Legs, reference: Reference) -> None:
-    """Joints outside the legs hold their posture; those of the legs have no reference yet."""
     for j in range(legs.leg_of_joint.shape[0]):
         outside = legs.leg_of_joint[j] < 0
         reference.joint_weight[j] = 1.0 if outside else 0.0
@@ -222,52 +130,43 @@ def hold_posture(legs: Legs, reference: Reference) -> None:
 
 
 @kernel
-def refer_walking(
-    step: StepState,
-    latched: GaitInputs,
-    foothold: FootholdGains,
-    cop: CopGains,
-    shares: JointShares,
-    forecast: Forecast,
-    balance: Balance,
-    legs: Legs,
-    frames: Frames,
-    reference: Reference,
-) -> None:
+def refer_walking(g: Template) -> None:
     """Contacts, soles, balance and weights of this tick; joints follow by :func:`track_leg`.
 
     Swing leg: all joints. Stance leg: the knee alone, so that hip and ankle are free to balance.
     """
+    step, latched, legs, frames = g.step, g.latched, g.body.legs, g.body.frames
+    reference, cop = g.reference, g.balance.cop
     stance = step.stance[0]
     swing = legs.other[stance]
     for leg in range(legs.side.shape[0]):
         reference.contact[leg] = FLAT if leg == stance else NONE
         reference.sole_frame[leg] = HIPS
         reference.cop_weight[leg] = reference.load_weight[leg] = 0.0
+        desired = step.foot_desired[leg]
         for axis in range(3):
-            reference.sole_position[leg, axis] = step.foot_desired[leg, 0, axis]
-            reference.sole_velocity[leg, axis] = step.foot_desired[leg, 1, axis]
-            reference.sole_acceleration[leg, axis] = step.foot_desired[leg, 2, axis]
+            reference.sole_position[leg, axis] = desired[0, axis]
+            reference.sole_velocity[leg, axis] = desired[1, axis]
+            reference.sole_acceleration[leg, axis] = desired[2, axis]
             for k in range(3):
                 reference.sole_rotation[leg, axis, k] = frames.sole_rotation[leg, axis, k]
     pitch, yaw = swing_pitch(step, latched), frames.yaw[0] + swing_yaw(step, latched)
     level_rotation(math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch), reference.sole_rotation[swing])
     for i in range(legs.joints.shape[1]):
         joint = legs.joints[swing, i]
-        reference.joint_weight[joint] = shares.swing_ankle if joint == legs.ankle_pitch[swing] else shares.swing_joint
-    reference.joint_weight[legs.knee[stance]] = shares.knee
+        ankle = joint == legs.ankle_pitch[swing]
+        reference.joint_weight[joint] = g.shares.swing_ankle if ankle else g.shares.swing_joint
+    reference.joint_weight[legs.knee[stance]] = g.shares.knee
     reference.hip_height_weight[0] = 0.0
     for axis in range(3):
         reference.com_weight[axis] = 0.0
-    omega = pendulum_frequency(foothold, forecast.arm[2])
-    side, time = legs.side[swing], step.time[0]
-    divergent_reference(step, latched, foothold, forecast.arm[2], side, time, balance.divergent)
-    stance_cop(cop, omega, forecast.arm, frames.com_velocity, balance.divergent, balance.cop)
-    angle = frames.sole_yaw[stance]
-    c, s = math.cos(angle), math.sin(angle)
-    x, y = c * balance.cop[0] + s * balance.cop[1], c * balance.cop[1] - s * balance.cop[0]
-    ahead, behind = max(legs.toe[stance] - cop.margin, 0.0), max(legs.heel[stance] - cop.margin, 0.0)
-    aside = max(legs.half_width[stance] - cop.margin, 0.0)
+    arm, divergent, side = g.forecast.arm, g.balance.divergent, legs.side[swing]
+    divergent_reference(step, latched, g.foothold, arm[2], side, step.time[0], divergent)
+    stance_cop(g.cop, pendulum_frequency(g.foothold, arm[2]), arm, frames.com_velocity, divergent, cop)
+    c, s = math.cos(frames.sole_yaw[stance]), math.sin(frames.sole_yaw[stance])
+    x, y = c * cop[0] + s * cop[1], c * cop[1] - s * cop[0]
+    ahead, behind = max(legs.toe[stance] - g.cop.margin, 0.0), max(legs.heel[stance] - g.cop.margin, 0.0)
+    aside = max(legs.half_width[stance] - g.cop.margin, 0.0)
     reference.cop[stance, 0] = min(max(x, -behind), ahead)
     reference.cop[stance, 1] = min(max(y, -aside), aside)
     reference.cop_weight[stance] = 1.0

@@ -10,7 +10,7 @@ import numpy as np
 from gaitsmith.compiled import Cube, Matrix, Vector, kernel
 from gaitsmith.dynamics.points import point_bias, point_jacobian
 from gaitsmith.dynamics.rotation import heading_to_world, world_to_heading
-from gaitsmith.dynamics.tree import Tree, TreeState
+from gaitsmith.dynamics.tree import Tree, TreeState, make_tree_state
 from gaitsmith.whole_body.legs import Legs
 
 
@@ -85,6 +85,32 @@ def make_frames(nv: int, n_soles: int) -> Frames:
     return Frames(**{name: np.zeros(shape) for name, shape in shapes.items()})
 
 
+class Body(NamedTuple):
+    """The robot as one tick sees it; groups of kernels share it.
+
+    Attributes:
+        tree: constants of the robot.
+        state: of the tree.
+        legs: rows of the robot's legs.
+        frames: of this tick.
+        q: (7 + nj,) true or estimated configuration.
+        v: (6 + nj,) true or estimated velocity.
+    """
+
+    tree: Tree
+    state: TreeState
+    legs: Legs
+    frames: Frames
+    q: Vector
+    v: Vector
+
+
+def make_body(tree: Tree, legs: Legs) -> Body:
+    """A robot of which nothing has been seen yet."""
+    nv = len(tree.dof_body)
+    return Body(tree, make_tree_state(tree), legs, make_frames(nv, len(legs.side)), np.zeros(nv + 1), np.zeros(nv))
+
+
 @kernel
 def to_heading(frames: Frames, x: float, y: float, out: Vector) -> None:
     """A horizontal world vector in the heading frame, into the first two entries of ``out``."""
@@ -105,8 +131,9 @@ def _attach(rotation: Matrix, position: Vector, local: Vector, out: Vector) -> N
 
 
 @kernel
-def _observe_torso(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: Frames) -> None:
+def _observe_torso(body: Body) -> None:
     """Heading, tilt and hip midpoint."""
+    tree, state, legs, v, frames = body.tree, body.state, body.legs, body.v, body.frames
     torso = state.body_rotation[legs.torso[0]]
     yaw = math.atan2(torso[1, 0], torso[0, 0])
     frames.yaw[0], frames.cos_yaw[0], frames.sin_yaw[0] = yaw, math.cos(yaw), math.sin(yaw)
@@ -126,8 +153,9 @@ def _observe_torso(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: 
 
 
 @kernel
-def _observe_sole(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: Frames, leg: int) -> None:
+def _observe_sole(g: Body, leg: int) -> None:
     """Pose, motion and Jacobian of one sole."""
+    tree, state, legs, v, frames = g.tree, g.state, g.legs, g.v, g.frames
     body = legs.sole_body[leg]
     rotation, place = frames.sole_rotation[leg], frames.sole_position[leg]
     for i in range(3):
@@ -154,11 +182,12 @@ def _observe_sole(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: F
 
 
 @kernel
-def observe_frames(tree: Tree, state: TreeState, legs: Legs, v: Vector, frames: Frames) -> None:
-    """Fill ``frames`` from an updated tree state and the generalised velocity ``v``."""
-    _observe_torso(tree, state, legs, v, frames)
-    for leg in range(legs.sole_body.shape[0]):
-        _observe_sole(tree, state, legs, v, frames, leg)
+def observe_frames(body: Body) -> None:
+    """Fill the frames from an updated tree state and the velocity."""
+    state, frames = body.state, body.frames
+    _observe_torso(body)
+    for leg in range(body.legs.sole_body.shape[0]):
+        _observe_sole(body, leg)
     to_heading(frames, state.com_velocity[0], state.com_velocity[1], frames.com_velocity)
     frames.com_velocity[2] = state.com_velocity[2]
     hip = frames.hip_position

@@ -9,13 +9,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.dynamics.tree import TreeState
 from gaitsmith.qp.quadratic_program import QuadraticProgram
-from gaitsmith.whole_body.contact import PITCH_MOMENT, ROLL_MOMENT, Contacts, transmits
+from gaitsmith.whole_body.contact import PITCH_MOMENT, ROLL_MOMENT, transmits
 from gaitsmith.whole_body.forward_dynamics import MotionMap
 from gaitsmith.whole_body.frames import Frames
-from gaitsmith.whole_body.legs import Legs
-from gaitsmith.whole_body.reference import HIPS, NONE, Reference
+from gaitsmith.whole_body.problem import WholeBody
+from gaitsmith.whole_body.reference import FLAT, HIPS, NONE
 
 
 class Task(NamedTuple):
@@ -105,14 +104,6 @@ def turn_error(actual: Matrix, wanted: Matrix, out: Vector) -> None:
 
 
 @kernel
-def _heading_row(frames: Frames, jacobian: Matrix, first: int, axis: int, scale: float, out: Vector) -> None:
-    """Add ``scale`` times the row of a world-axes Jacobian along heading axis ``axis``."""
-    x, y, z = _heading_axis(frames, axis)
-    for k in range(out.shape[0]):
-        out[k] += scale * (x * jacobian[first, k] + y * jacobian[first + 1, k] + z * jacobian[first + 2, k])
-
-
-@kernel
 def _heading_axis(frames: Frames, axis: int) -> tuple[float, float, float]:
     """A heading axis in the world."""
     if axis == 0:
@@ -129,205 +120,147 @@ def _along(axis: tuple[float, float, float], vector: Vector, first: int) -> floa
 
 
 @kernel
-def _clear(row: Vector) -> None:
+def _row_along(axis: tuple[float, float, float], jacobian: Matrix, first: int, row: Vector) -> None:
+    """The same of a world-axes Jacobian: one row, into ``row``."""
+    x, y, z = axis
     for k in range(row.shape[0]):
-        row[k] = 0.0
+        row[k] = x * jacobian[first, k] + y * jacobian[first + 1, k] + z * jacobian[first + 2, k]
 
 
 @kernel
-def add_stance(
-    qp: QuadraticProgram,
-    legs: Legs,
-    contacts: Contacts,
-    frames: Frames,
-    tasks: TaskTable,
-    motion: MotionMap,
-    n: int,
-    leg: int,
-) -> None:
+def add_stance(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
     """A bearing sole's pivot does not accelerate, neither does the sole turn, but about its line or edge."""
+    contacts, motion = g.contacts, g.motion
     jacobian, bias, axes = contacts.jacobian[leg], contacts.bias[leg], contacts.axes[leg]
     for axis in range(3):
         for k in range(motion.row.shape[0]):
             motion.row[k] = jacobian[axis, k]
-        add_row(qp, motion, n, -bias[axis], tasks.stance.weight)
+        add_row(g.program, motion, n, -bias[axis], tasks.stance.weight)
     for axis in range(3):
-        if not transmits(contacts.kind[leg], legs.half_width[leg], ROLL_MOMENT + axis):
-            continue
-        x, y, z = axes[0, axis], axes[1, axis], axes[2, axis]
-        for k in range(motion.row.shape[0]):
-            motion.row[k] = x * jacobian[3, k] + y * jacobian[4, k] + z * jacobian[5, k]
-        spin = _along((x, y, z), frames.sole_twist[leg], 3)
-        target = -tasks.stance_turn.damping * spin - _along((x, y, z), bias, 3)
-        add_row(qp, motion, n, target, tasks.stance_turn.weight)
-
-
-@kernel
-def add_swing(
-    qp: QuadraticProgram,
-    reference: Reference,
-    frames: Frames,
-    tasks: TaskTable,
-    motion: MotionMap,
-    n: int,
-    leg: int,
-) -> None:
-    """A sole in the air follows its reference, in the world or relative to the hip midpoint (eqs. 19 and 20)."""
-    to_hips = reference.sole_frame[leg] == HIPS
-    for axis in range(3):
-        _clear(motion.row)
-        direction = _heading_axis(frames, axis)
-        _heading_row(frames, frames.sole_jacobian[leg], 0, axis, 1.0, motion.row)
-        drift = _along(direction, frames.sole_bias[leg], 0)
-        if to_hips:
-            _heading_row(frames, frames.hip_jacobian, 0, axis, -1.0, motion.row)
-            drift -= _along(direction, frames.hip_bias, 0)
-            error = reference.sole_position[leg, axis] - frames.relative_position[leg, axis]
-            error_rate = reference.sole_velocity[leg, axis] - frames.relative_velocity[leg, axis]
-            wanted = reference.sole_acceleration[leg, axis]
-        else:
-            error = _along(direction, reference.sole_position[leg], 0)
-            error -= _along(direction, frames.sole_position[leg], 0)
-            error_rate = _along(direction, reference.sole_velocity[leg], 0)
-            error_rate -= _along(direction, frames.sole_twist[leg], 0)
-            wanted = _along(direction, reference.sole_acceleration[leg], 0)
-        target = wanted + tasks.swing.stiffness * error + tasks.swing.damping * error_rate - drift
-        add_row(qp, motion, n, target, tasks.swing.weight)
-
-
-@kernel
-def add_sole_turn(
-    qp: QuadraticProgram,
-    reference: Reference,
-    legs: Legs,
-    contacts: Contacts,
-    frames: Frames,
-    tasks: TaskTable,
-    motion: MotionMap,
-    n: int,
-    leg: int,
-) -> None:
-    """A sole's rotation follows its reference: about all axes in the air, about its edge on the ground."""
-    kind = contacts.kind[leg]
-    axes = contacts.axes[leg] if kind != NONE else frames.sole_rotation[leg]
-    turn_error(frames.sole_rotation[leg], reference.sole_rotation[leg], motion.turn)
-    for axis in range(3):
-        if kind != NONE and (axis + ROLL_MOMENT != PITCH_MOMENT or transmits(kind, legs.half_width[leg], PITCH_MOMENT)):
+        if not transmits(contacts.kind[leg], g.body.legs.half_width[leg], ROLL_MOMENT + axis):
             continue
         direction = (axes[0, axis], axes[1, axis], axes[2, axis])
-        _clear(motion.row)
-        jacobian = frames.sole_jacobian[leg]
-        for k in range(motion.row.shape[0]):
-            motion.row[k] = (
-                direction[0] * jacobian[3, k] + direction[1] * jacobian[4, k] + direction[2] * jacobian[5, k]
-            )
-        target = (
-            _along(direction, reference.sole_angular_acceleration[leg], 0)
-            + tasks.swing_turn.stiffness * _along(direction, motion.turn, 0)
-            + tasks.swing_turn.damping
-            * (_along(direction, reference.sole_spin[leg], 0) - _along(direction, frames.sole_twist[leg], 3))
-            - _along(direction, frames.sole_bias[leg], 3)
-        )
-        add_row(qp, motion, n, target, tasks.swing_turn.weight)
+        _row_along(direction, jacobian, 3, motion.row)
+        spin = _along(direction, g.body.frames.sole_twist[leg], 3)
+        target = -tasks.stance_turn.damping * spin - _along(direction, bias, 3)
+        add_row(g.program, motion, n, target, tasks.stance_turn.weight)
 
 
 @kernel
-def add_torso(
-    qp: QuadraticProgram,
-    state: TreeState,
-    legs: Legs,
-    reference: Reference,
-    frames: Frames,
-    tasks: TaskTable,
-    motion: MotionMap,
-    n: int,
-) -> None:
+def add_swing(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
+    """A sole in the air follows its reference, in the world or relative to the hip midpoint (eqs. 19 and 20)."""
+    reference, frames, row, task = g.reference, g.body.frames, g.motion.row, tasks.swing
+    position, velocity = reference.sole_position[leg], reference.sole_velocity[leg]
+    for axis in range(3):
+        direction = _heading_axis(frames, axis)
+        _row_along(direction, frames.sole_jacobian[leg], 0, row)
+        drift = _along(direction, frames.sole_bias[leg], 0)
+        if reference.sole_frame[leg] == HIPS:
+            for k in range(row.shape[0]):
+                row[k] -= (
+                    direction[0] * frames.hip_jacobian[0, k]
+                    + direction[1] * frames.hip_jacobian[1, k]
+                    + direction[2] * frames.hip_jacobian[2, k]
+                )
+            drift -= _along(direction, frames.hip_bias, 0)
+            error = position[axis] - frames.relative_position[leg, axis]
+            error_rate = velocity[axis] - frames.relative_velocity[leg, axis]
+            wanted = reference.sole_acceleration[leg, axis]
+        else:
+            error = _along(direction, position, 0) - _along(direction, frames.sole_position[leg], 0)
+            error_rate = _along(direction, velocity, 0) - _along(direction, frames.sole_twist[leg], 0)
+            wanted = _along(direction, reference.sole_acceleration[leg], 0)
+        target = wanted + task.stiffness * error + task.damping * error_rate - drift
+        add_row(g.program, g.motion, n, target, task.weight)
+
+
+@kernel
+def add_sole_turn(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
+    """A sole's rotation follows its reference: about all axes in the air, about its edge on the ground."""
+    reference, frames, motion, task = g.reference, g.body.frames, g.motion, tasks.swing_turn
+    kind = g.contacts.kind[leg]
+    if kind == FLAT:
+        return
+    axes = g.contacts.axes[leg] if kind != NONE else frames.sole_rotation[leg]
+    turn_error(frames.sole_rotation[leg], reference.sole_rotation[leg], motion.turn)
+    for axis in range(3):
+        if kind != NONE and axis + ROLL_MOMENT != PITCH_MOMENT:
+            continue
+        direction = (axes[0, axis], axes[1, axis], axes[2, axis])
+        _row_along(direction, frames.sole_jacobian[leg], 3, motion.row)
+        rate = _along(direction, reference.sole_spin[leg], 0) - _along(direction, frames.sole_twist[leg], 3)
+        target = _along(direction, reference.sole_angular_acceleration[leg], 0)
+        target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
+        add_row(g.program, motion, n, target - _along(direction, frames.sole_bias[leg], 3), task.weight)
+
+
+@kernel
+def add_torso(g: WholeBody, tasks: TaskTable, n: int) -> None:
     """The torso's roll, pitch and yaw behave like spring and damper about the reference (eqs. 21 and 22)."""
-    turn_error(state.body_rotation[legs.torso[0]], reference.torso_rotation, motion.turn)
+    reference, frames, motion = g.reference, g.body.frames, g.motion
+    turn_error(g.body.state.body_rotation[g.body.legs.torso[0]], reference.torso_rotation, motion.turn)
     for axis in range(3):
         task = tasks.roll if axis == 0 else (tasks.pitch if axis == 1 else tasks.yaw)
         weight = reference.torso_weight[axis] * task.weight
         if weight == 0.0:
             continue
         direction = _heading_axis(frames, axis)
-        _clear(motion.row)
-        _heading_row(frames, frames.hip_jacobian, 3, axis, 1.0, motion.row)
-        target = (
-            _along(direction, reference.torso_angular_acceleration, 0)
-            + task.stiffness * _along(direction, motion.turn, 0)
-            + task.damping * (_along(direction, reference.torso_spin, 0) - _along(direction, frames.torso_spin, 0))
-            - _along(direction, frames.hip_bias, 3)
-        )
-        add_row(qp, motion, n, target, weight)
+        _row_along(direction, frames.hip_jacobian, 3, motion.row)
+        rate = _along(direction, reference.torso_spin, 0) - _along(direction, frames.torso_spin, 0)
+        target = _along(direction, reference.torso_angular_acceleration, 0)
+        target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
+        add_row(g.program, motion, n, target - _along(direction, frames.hip_bias, 3), weight)
 
 
 @kernel
-def add_body(
-    qp: QuadraticProgram,
-    state: TreeState,
-    reference: Reference,
-    frames: Frames,
-    tasks: TaskTable,
-    motion: MotionMap,
-    n: int,
-) -> None:
+def add_body(g: WholeBody, tasks: TaskTable, n: int) -> None:
     """Centre of mass and hip height follow their references."""
+    reference, frames, state, motion = g.reference, g.body.frames, g.body.state, g.motion
+    com = reference.com
     for axis in range(3):
         task = tasks.com if axis < 2 else tasks.com_height
         weight = reference.com_weight[axis] * task.weight
         if weight == 0.0:
             continue
         direction = _heading_axis(frames, axis)
-        _clear(motion.row)
-        _heading_row(frames, state.com_jacobian, 0, axis, 1.0, motion.row)
-        error = _along(direction, reference.com[0], 0) - _along(direction, state.com, 0)
-        error_rate = _along(direction, reference.com[1], 0) - _along(direction, state.com_velocity, 0)
-        wanted = _along(direction, reference.com[2], 0) + task.stiffness * error + task.damping * error_rate
-        add_row(qp, motion, n, wanted - _along(direction, state.com_bias, 0), weight)
+        _row_along(direction, state.com_jacobian, 0, motion.row)
+        error = _along(direction, com[0], 0) - _along(direction, state.com, 0)
+        error_rate = _along(direction, com[1], 0) - _along(direction, state.com_velocity, 0)
+        wanted = _along(direction, com[2], 0) + task.stiffness * error + task.damping * error_rate
+        add_row(g.program, motion, n, wanted - _along(direction, state.com_bias, 0), weight)
     weight = reference.hip_height_weight[0] * tasks.hip_height.weight
     if weight > 0.0:
-        for k in range(motion.row.shape[0]):
-            motion.row[k] = frames.hip_jacobian[2, k]
         height, task = reference.hip_height, tasks.hip_height
+        _row_along((0.0, 0.0, 1.0), frames.hip_jacobian, 0, motion.row)
         wanted = height[2] + task.stiffness * (height[0] - frames.hip_position[2])
         wanted += task.damping * (height[1] - frames.hip_velocity[2])
-        add_row(qp, motion, n, wanted - frames.hip_bias[2], weight)
+        add_row(g.program, motion, n, wanted - frames.hip_bias[2], weight)
 
 
 @kernel
-def add_joints(
-    qp: QuadraticProgram,
-    legs: Legs,
-    reference: Reference,
-    tasks: TaskTable,
-    motion: MotionMap,
-    n: int,
-    q: Vector,
-    v: Vector,
-) -> None:
+def add_joints(g: WholeBody, tasks: TaskTable, n: int) -> None:
     """Joint references (eqs. 22 and 23); joints outside the legs hold their posture."""
-    for j in range(legs.leg_of_joint.shape[0]):
-        task = tasks.leg_joint if legs.leg_of_joint[j] >= 0 else tasks.posture
+    reference, q, v = g.reference, g.body.q, g.body.v
+    for j in range(reference.joint_weight.shape[0]):
+        task = tasks.leg_joint if g.body.legs.leg_of_joint[j] >= 0 else tasks.posture
         weight = reference.joint_weight[j] * task.weight
         if weight == 0.0:
             continue
         target = reference.joint[2, j] + task.stiffness * (reference.joint[0, j] - q[7 + j])
         target += task.damping * (reference.joint[1, j] - v[6 + j])
-        add_joint(qp, motion, n, 6 + j, target, weight)
+        add_joint(g.program, g.motion, n, 6 + j, target, weight)
 
 
 @kernel
-def add_wrench(
-    qp: QuadraticProgram, legs: Legs, reference: Reference, contacts: Contacts, tasks: TaskTable, leg: int
-) -> None:
+def add_wrench(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """Soft targets of a bearing sole: its centre of pressure, ``m_y + x f_z = 0`` and ``m_x - y f_z = 0``; its load."""
-    kind, first = contacts.kind[leg], contacts.first[leg]
+    reference, qp, kind, first = g.reference, g.program, g.contacts.kind[leg], g.contacts.first[leg]
     normal, variable = first + 2, first + 3
     weight = reference.cop_weight[leg] * tasks.cop
     if weight > 0.0:
         for axis in range(2):
             moment = ROLL_MOMENT if axis == 0 else PITCH_MOMENT
-            if not transmits(kind, legs.half_width[leg], moment):
+            if not transmits(kind, g.body.legs.half_width[leg], moment):
                 continue
             arm = -reference.cop[leg, 1] if axis == 0 else reference.cop[leg, 0]
             qp.hessian[variable, variable] += weight
