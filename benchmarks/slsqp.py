@@ -15,7 +15,7 @@ from gaitsmith.synthesis.motions.catalogue import cyclic
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
 from gaitsmith.synthesis.program.guess import default_start
-from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, make_program
+from gaitsmith.synthesis.program.program import make_program
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.ipopt import solve_ipopt
 
@@ -54,7 +54,7 @@ def main(limit: float) -> None:
 
     def objective(x: np.ndarray) -> float:
         z, o = program.evaluate(x)
-        return OBJECTIVE_SCALE * program.objective(z, o)
+        return program.scale * program.objective(z, o)
 
     constraints = [
         {

@@ -39,15 +39,16 @@ def plan(words: list[str], program: str) -> Outcome:
     figures = check_new_folder(arguments.figures, "--figures") if arguments.figures is not None else None
     if out is not None and out == figures:
         raise BadInput("--figures", arguments.figures, "another name than that of the gait file")
-    request = request_from(arguments, task)
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import Planner, answer, answer_file, plan_document
 
     robot = named_robot(arguments.robot)
     given = list(arguments.model_dump(exclude_none=True))
+    planner = Planner(robot, free=arguments.free)
+    request = request_from(arguments, task, planner.biped.height)
     with Display() as display:
         try:
-            planner = Planner(robot, display.slow)
+            planner.notify = display.slow
             if request is not None:
                 found = answer(planner, request, display.iteration)
             else:

@@ -11,7 +11,7 @@ from gaitsmith.cli.arguments import Arguments, Positional, RobotName, flag
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
-from gaitsmith.synthesis.motions.settings import Bounds, Settings
+from gaitsmith.synthesis.motions.settings import LEG, Bounds, Settings
 from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOST_CYCLES, RANGES, Request, stride
 
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
@@ -23,7 +23,7 @@ _APPLIES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("step_length", "period", "step_height", "double_support"), _WALKS),
     "cycles": ("walk",),
     "jobs": (SWEEP,),
-    **dict.fromkeys(("out", "figures"), (*_NAMED, FILE)),
+    **dict.fromkeys(("out", "figures", "free"), (*_NAMED, FILE)),
 }
 
 
@@ -39,7 +39,8 @@ def _usual(value: float, flag: str) -> str:
 class PlanArguments(Arguments):
     """Plan a motion: cyclic, start, stop, walk, kick, sweep, or a motion file (TOML).
 
-    Of speed, step length and period any two decide the third; one alone follows the paper's two gaits.
+    Of speed, step length and period any two decide the third; one alone follows the paper's two gaits. Lengths and
+    times that are defaults hold for hips 0.39 m high; a robot of another size gets them in proportion.
     """
 
     motion: Annotated[
@@ -77,6 +78,10 @@ class PlanArguments(Arguments):
             absent=f"{StepParameters.double_support:g}",
         ),
     ] = None
+    free: Annotated[
+        tuple[str, ...],
+        About("A joint outside the legs that moves too; the others stay at their home angles", metavar="JOINT"),
+    ] = ()
     order: Annotated[
         Literal[4, 5] | None,
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=str(_SETTINGS["order"].default)),
@@ -129,13 +134,13 @@ def task_of(arguments: PlanArguments) -> str:
         task = FILE
     for name, tasks in _APPLIES.items():
         value = getattr(arguments, name)
-        if value is not None and task not in tasks:
+        if value not in (None, ()) and task not in tasks:
             raise BadInput(flag(name), value, f"nothing with {task}", f"for {', '.join(tasks)} only")
     return task
 
 
-def request_from(arguments: PlanArguments, task: str) -> Request | None:
-    """The request that the flags describe; None for a motion file.
+def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Request | None:
+    """The request that the flags describe, for hips ``leg`` m high; None for a motion file.
 
     Raises:
         BadInput: naming the flag.
@@ -149,9 +154,9 @@ def request_from(arguments: PlanArguments, task: str) -> Request | None:
         if arguments.speed is not None and not KICK_SPEEDS[0] <= arguments.speed <= KICK_SPEEDS[1]:
             raise BadInput("--speed", arguments.speed, f"{KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g} for a kick")
         return Request("kick", kick=KickParameters(**_given(speed=arguments.speed)), settings=settings)
-    length, period = stride(arguments.speed, arguments.step_length, arguments.period)
+    length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
-    step = StepParameters(length, period, **shape)
+    step = StepParameters.sized(leg, length, period, **shape)
     return Request(task, step=step, settings=settings, **_given(cycles=arguments.cycles))  # type: ignore[arg-type]
 
 

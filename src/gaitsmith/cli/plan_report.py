@@ -22,6 +22,10 @@ def plan_lines(document: dict[str, Any], robot: Robot) -> Iterator[Text]:
     counts = ", ".join(f"{document[name]} {name}" for name in counted)
     times = ", ".join(f"{name} {document['time_s'][name]:.2f} s" for name in ("setup", "compile", "solve", "check"))
     yield f"objective {figure(document['objective'], '.4g')}, {counts}; {times}"
+    if not document["symmetric"]:
+        yield f"left and right differ by {100.0 * document['asymmetry']:.2g} %: a stride of two steps, without the mirror"
+    if document["held"]:
+        yield f"held at home: {', '.join(document['held'])}"
     if document["max_torque"] is not None:
         margin, jump = figure(document["zmp_margin_mm"], ".1f"), figure(document["torque_jump"], ".2g")
         yield f"smallest ZMP margin in single support {margin} mm, largest jump of a torque {jump} N·m"

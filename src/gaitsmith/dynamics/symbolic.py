@@ -1,13 +1,15 @@
 """Rigid-body dynamics as CasADi expressions, for any tree in a MuJoCo model, rooted at any of its bodies.
 
-One recursive Newton-Euler pass in body frames (about 2,100 instructions for 12 joints). The root may be the
+One recursive Newton-Euler pass in body frames (about 1,600 instructions for 12 joints). The root may be the
 floating base, the world, or a foot that stands still: joints between the root and the base are then traversed
-backwards. Reflected inertia, joint damping and springs are those of the model, as in ``mj_inverse``.
+backwards. Joints may be held at an angle; what hangs on them is one body with what carries them. Reflected inertia,
+joint damping and springs are those of the model, as in ``mj_inverse``.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +22,8 @@ from gaitsmith.errors import BadInput
 
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3  # mjtJoint
 
+_TRIFLE = 1e-13  # entries of a rotation that are rounding: as zeros they cost nothing
+
 Array = npt.NDArray[np.float64]
 
 
@@ -29,6 +33,12 @@ class _Shift:
 
     position: Array
     rotation: Array
+
+    def then(self, after: _Shift) -> _Shift:
+        """Both in a row."""
+        rotation = self.rotation @ after.rotation
+        clean = np.where(np.abs(rotation) < _TRIFLE, 0.0, rotation)
+        return _Shift(self.position + self.rotation @ after.position, clean)
 
 
 @dataclass(frozen=True)
@@ -52,23 +62,33 @@ class _Link:
     steps: tuple[_Shift | _Joint, ...]
 
 
-def _joint_steps(model: Any, body: int) -> list[_Shift | _Joint]:
-    """Steps from a body's parent to the body."""
-    steps: list[_Shift | _Joint] = [_Shift(model.body_pos[body].copy(), rotation_matrix(model.body_quat[body]))]
+def _joint_steps(model: Any, body: int, held: Mapping[int, float]) -> list[_Shift | _Joint]:
+    """Steps from a body's parent to the body; fixed ones in a row are one."""
+    steps: list[_Shift | _Joint] = []
+
+    def shift(position: Array, rotation: Array) -> None:
+        last = steps.pop() if steps and isinstance(steps[-1], _Shift) else _Shift(np.zeros(3), np.eye(3))
+        assert isinstance(last, _Shift)
+        steps.append(last.then(_Shift(position, rotation)))
+
+    shift(model.body_pos[body].copy(), rotation_matrix(model.body_quat[body]))
     first = model.body_jntadr[body]
     for joint in range(first, first + model.body_jntnum[body]):
         kind = int(model.jnt_type[joint])
         name = f"joint {joint} of body {body}"
         if kind not in (_SLIDE, _HINGE):
             raise BadInput(name, kind, "a hinge or a slide, and at most one free joint, at the root of the tree")
-        anchor = model.jnt_pos[joint].copy()
-        qpos = int(model.jnt_qposadr[joint])
-        axis = np.where(np.abs(model.jnt_axis[joint]) < 1e-15, 0.0, model.jnt_axis[joint])
-        step = _Joint(axis, int(model.jnt_dofadr[joint]), qpos, float(model.qpos0[qpos]), kind == _HINGE, 1.0)
-        if np.any(anchor) and kind == _HINGE:
-            steps += [_Shift(anchor, np.eye(3)), step, _Shift(-anchor, np.eye(3))]
+        anchor = model.jnt_pos[joint].copy() if kind == _HINGE else np.zeros(3)
+        qpos, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        axis, reference = np.where(np.abs(model.jnt_axis[joint]) < 1e-15, 0.0, model.jnt_axis[joint]), model.qpos0[qpos]
+        shift(anchor, np.eye(3))
+        if dof not in held:
+            steps.append(_Joint(axis, dof, qpos, float(reference), kind == _HINGE, 1.0))
+        elif kind == _HINGE:
+            shift(np.zeros(3), np.array(ca.DM(_turn(axis, ca.DM(held[dof] - reference)))))
         else:
-            steps.append(step)
+            shift(axis * (held[dof] - reference), np.eye(3))
+        shift(-anchor, np.eye(3))
     return steps
 
 
@@ -83,7 +103,7 @@ def _reversed(steps: list[_Shift | _Joint]) -> tuple[_Shift | _Joint, ...]:
     return tuple(found)
 
 
-def _links(model: Any, root: int) -> list[_Link]:
+def _links(model: Any, root: int, held: Mapping[int, float]) -> list[_Link]:
     """All bodies in the order in which a walk from ``root`` meets them."""
     neighbours: dict[int, list[tuple[int, tuple[_Shift | _Joint, ...]]]] = {b: [] for b in range(model.nbody)}
     for body in range(1, model.nbody):
@@ -91,7 +111,7 @@ def _links(model: Any, root: int) -> list[_Link]:
         first = model.body_jntadr[body]
         if model.body_jntnum[body] and model.jnt_type[first] == _FREE:
             continue
-        steps = _joint_steps(model, body)
+        steps = _joint_steps(model, body, held)
         if parent == 0 and root != 0:
             continue
         neighbours[parent].append((body, tuple(steps)))
@@ -198,8 +218,33 @@ def _advance(motion: BodyMotion, step: _Shift | _Joint, q: Any, v: Any, a: Any) 
     )
 
 
+@dataclass
+class _Rigid:
+    """Bodies that move as one, in the frame of the first of them: mass, first moment, inertia about its origin."""
+
+    mass: float
+    moment: Array
+    inertia: Array
+
+
+def _own(model: Any, body: int, at: _Shift) -> _Rigid:
+    """A body's inertia in the frame of the body that carries it."""
+    mass = float(model.body_mass[body])
+    com = at.position + at.rotation @ model.body_ipos[body]
+    axes = at.rotation @ rotation_matrix(model.body_iquat[body])
+    about = axes @ np.diag(model.body_inertia[body]) @ axes.T + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    return _Rigid(mass, mass * com, about)
+
+
 def newton_euler(
-    model: Any, root: int, start: BodyMotion, q: Any, v: Any, a: Any, wrenches: tuple[ExternalWrench, ...] = ()
+    model: Any,
+    root: int,
+    start: BodyMotion,
+    q: Any,
+    v: Any,
+    a: Any,
+    wrenches: tuple[ExternalWrench, ...] = (),
+    held: Mapping[int, float] | None = None,
 ) -> InverseDynamics:
     """Recursive Newton-Euler from ``root``.
 
@@ -209,12 +254,15 @@ def newton_euler(
         start: its motion; ``acceleration`` must hold the gravity term (minus gravity).
         q, v, a: positions, velocities and accelerations in MuJoCo's order (nq, nv, nv); only joint entries are read.
         wrenches: forces from outside on other bodies.
+        held: angles of the joints that do not move, by their index in `v`; their forces are not in the result.
 
     Raises:
         BadInput: a joint is neither hinge nor slide.
     """
-    links = _links(model, root)
+    links = _links(model, root, held or {})
     motion = {root: start}
+    carrier = {root: (root, _Shift(np.zeros(3), np.eye(3)))}  # of every body: the one that it moves with, and where
+    rigid = {root: _own(model, root, carrier[root][1])}
     rotations: dict[tuple[int, int], Any] = {}
     for link in links[1:]:
         current = motion[link.parent]
@@ -223,24 +271,38 @@ def newton_euler(
                 rotations[link.body, index] = _turn(step.axis, step.sign * (q[step.qpos] - step.reference))
             current = _advance(current, step, q, v, a)
         motion[link.body] = current
+        first, at = carrier[link.parent]
+        if len(link.steps) == 1 and isinstance(link.steps[0], _Shift):
+            at = at.then(link.steps[0])
+        else:
+            first, at = link.body, _Shift(np.zeros(3), np.eye(3))
+            rigid[first] = _Rigid(0.0, np.zeros(3), np.zeros((3, 3)))
+        carrier[link.body] = first, at
+        own = _own(model, link.body, at)
+        for name, value in vars(own).items():
+            setattr(rigid[first], name, getattr(rigid[first], name) + value)
     result = InverseDynamics(motion)
     force: dict[int, Any] = {}
     moment: dict[int, Any] = {}
-    for link in links:
-        m = motion[link.body]
-        mass, com = float(model.body_mass[link.body]), ca.DM(model.body_ipos[link.body])
-        axes = rotation_matrix(model.body_iquat[link.body])
-        inertia = ca.DM(axes @ np.diag(model.body_inertia[link.body]) @ axes.T)
+    for body, composite in rigid.items():
+        m = motion[body]
+        mass, first_moment = composite.mass, composite.moment
+        com = first_moment / mass if mass else first_moment
+        central = composite.inertia - mass * (com @ com * np.eye(3) - np.outer(com, com))
+        inertia = ca.DM(np.where(np.abs(central) < _TRIFLE * np.abs(central).max(), 0.0, central))
         spin = ca.cross(m.omega, com)
         f = mass * (m.acceleration + ca.cross(m.alpha, com) + ca.cross(m.omega, spin))
         n = ca.mtimes(inertia, m.alpha) + ca.cross(m.omega, ca.mtimes(inertia, m.omega)) + ca.cross(com, f)
-        for wrench in wrenches:
-            if wrench.body == link.body:
-                local = ca.mtimes(m.rotation.T, wrench.force)
-                f -= local
-                n -= ca.mtimes(m.rotation.T, wrench.moment) + ca.cross(wrench.point, local)
-        force[link.body], moment[link.body] = f, n
+        force[body], moment[body] = f, n
+    for wrench in wrenches:
+        body, at = carrier[wrench.body]
+        R, point = motion[body].rotation.T, ca.DM(at.position) + ca.mtimes(ca.DM(at.rotation), wrench.point)
+        local = ca.mtimes(R, wrench.force)
+        force[body] -= local
+        moment[body] -= ca.mtimes(R, wrench.moment) + ca.cross(point, local)
     for link in reversed(links[1:]):
+        if link.body not in force:
+            continue
         f, n = force[link.body], moment[link.body]
         for index in range(len(link.steps) - 1, -1, -1):
             step = link.steps[index]
@@ -259,8 +321,10 @@ def newton_euler(
                 f, n = ca.mtimes(rotations[link.body, index], f), ca.mtimes(rotations[link.body, index], n)
             else:
                 n += ca.cross(ca.DM(step.axis) * step.sign * (q[step.qpos] - step.reference), f)
-        force[link.parent] += f
-        moment[link.parent] += n
+        first, at = carrier[link.parent]
+        f, n = ca.mtimes(ca.DM(at.rotation), f), ca.mtimes(ca.DM(at.rotation), n)
+        force[first] += f
+        moment[first] += n + ca.cross(ca.DM(at.position), f)
     result.root_force, result.root_moment = force[root], moment[root]
     return result
 

@@ -80,13 +80,14 @@ def read_motion(path: Path, biped: Biped) -> tuple[Motion, Settings]:
     """
     data, _ = read_toml(path, "a motion")
     text = checked(MotionText, data, path.name)
+    settings = text.settings.sized(biped)
     try:
-        return _motion(text, biped), text.settings
+        return _motion(text, biped, settings.bounds.foot_gap), settings
     except BadInput as error:
         raise error.within(path.name) from None
 
 
-def _motion(text: MotionText, biped: Biped) -> Motion:
+def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
     names = [phase.name for phase in text.phases]
     for index, name in enumerate(names):
         if name in names[:index]:
@@ -96,7 +97,7 @@ def _motion(text: MotionText, biped: Biped) -> Motion:
         raise BadInput("phases", f"{sections} sections", f"at most {SECTIONS} sections in all phases together")
     phases = tuple(map(_phase, text.phases))
     check_contacts(phases, text.cyclic, ("support_at", "other_at"))
-    _check_footholds(phases, biped, text.settings.bounds.foot_gap)
+    _check_footholds(phases, biped, gap)
     rest = None
     if any(item.standing for item in text.conditions):
         rest = _standing(biped, text.standing_height)
@@ -121,7 +122,7 @@ def _phase(item: _PhaseText) -> Phase:
 
 def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:
     """Soles lie side by side, the left one on the left, and no nearer than the bounds allow."""
-    least = 2.0 * biped.leg("left").sole.half_width + gap
+    least = biped.sole("left").half_width + biped.sole("right").half_width + gap
     for index, phase in enumerate(phases):
         if phase.other is not None:
             apart = phase.side * (phase.other[1] - phase.foothold[1])

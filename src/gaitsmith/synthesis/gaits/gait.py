@@ -103,7 +103,7 @@ class Gait:
 
 
 def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int) -> Gait:
-    """A cyclic gait repeated for a number of steps, every second one mirrored; other gaits are returned as they are."""
+    """A cyclic gait repeated, every second step mirrored; a stride is not, and other gaits are left as they are."""
     if not gait.motion.cyclic or steps == 1:
         return gait
     phases: list[Phase] = []
@@ -111,7 +111,7 @@ def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int
     current = gait
     for step in range(steps):
         if step:
-            current = follow(current, gait, step % 2 == 1, partner, sign)
+            current = follow(current, gait, step % 2 == 1 and gait.motion.mirrored, partner, sign)
         phases += current.motion.phases
         pieces += current.pieces
     motion = Motion(gait.motion.name, tuple(phases), (), False, gait.motion.parameters)

@@ -13,9 +13,9 @@ Array = npt.NDArray[np.float64]
 
 def contact_points(biped: Biped, phase: Phase) -> Array:
     """(N, 2) corners of both soles that touch the ground in a phase, world, m."""
-    found = [biped.corners("flat") + phase.foothold]
+    found = [biped.corners("flat", phase.support) + phase.foothold]
     if phase.other is not None:
-        found.append(biped.corners(phase.contact) + phase.other)
+        found.append(biped.corners(phase.contact, phase.other_foot) + phase.other)
     return np.concatenate(found)
 
 

@@ -50,7 +50,7 @@ class UnrolledGait:
     Args:
         gait: the gait.
         robot: the robot that it was planned for.
-        steps: of a cyclic gait; others are gone through once.
+        steps: of a cyclic gait, in strides if it is one; others are gone through once.
 
     Attributes:
         duration: of all steps, s.
@@ -61,16 +61,17 @@ class UnrolledGait:
 
     def __init__(self, gait: Gait, robot: Robot, steps: int) -> None:
         biped = biped_from(robot)
-        self.steps = steps if gait.motion.cyclic else 1
+        once = gait.motion.steps if gait.motion.cyclic else 1
+        self.steps = max(steps // once, 1) if gait.motion.cyclic else 1
         self.duration = self.steps * gait.duration
         if self.duration > LONGEST:
-            valid = f"1 to {int(LONGEST / gait.duration)}, an hour in all at {gait.duration:.4g} s a step"
+            valid = f"1 to {once * int(LONGEST / gait.duration)}, an hour in all at {gait.duration / once:.4g} s a step"
             raise BadInput("--steps", steps, valid)
         self._finder = StateFinder(robot)
         self._pair = unrolled(gait, biped.partner, biped.sign, min(self.steps, 2))
         self._travel = np.zeros(2)
         if self.steps > 2:
-            second = follow(gait, gait, True, biped.partner, biped.sign)
+            second = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
             third = follow(second, gait, False, biped.partner, biped.sign)
             starts = (third.motion.phases[0].foothold, gait.motion.phases[0].foothold)
             self._travel = np.subtract(*starts)

@@ -33,7 +33,7 @@ def walkable(gaits: Sequence[Gait], robot: Robot, cycles: int | None = None) -> 
     Args:
         gaits: each begins where the one before ends; of a cyclic one every second step is mirrored.
         robot: the robot that they were planned for.
-        cycles: steps of the cyclic gait; None: endless if it is the last, else one stride.
+        cycles: steps of the cyclic gait, an even number if it is a stride; None: endless if it is the last, else two.
 
     Raises:
         BadInput: a gait for another robot, cycles without a cyclic gait or out of range, gaits that do not follow one
@@ -78,13 +78,16 @@ def _in_a_row(gaits: Sequence[Gait], robot: Robot, cycles: int | None) -> tuple[
     before: Gait | None = None
     loop: tuple[int, int, int] | None = None
     for index, gait in enumerate(gaits):
-        wanted = 1
+        wanted = once = 1
         if gait.motion.cyclic:
             endless = cycles is None and index == len(gaits) - 1
-            wanted = 2 if cycles is None else cycles
-            if wanted > 1:
-                loop = (len(row), 0, ENDLESS if endless else wanted // 2)
-        for step in range(min(wanted, 2 + wanted % 2)):
+            steps, once = 2 if cycles is None else cycles, 2 // gait.motion.steps  # in a stride
+            if steps % gait.motion.steps:
+                raise BadInput("--cycles", steps, "an even number of steps: the gait's left and right ones differ")
+            wanted = steps // gait.motion.steps
+            if steps > 1:
+                loop = (len(row), 0, ENDLESS if endless else steps // 2)
+        for step in range(min(wanted, once + wanted % once)):
             if before is not None:
                 mirror = gait.motion.phases[0].support != before.motion.phases[-1].support
                 _check_seam(before, gait, mirror, robot)
@@ -92,7 +95,7 @@ def _in_a_row(gaits: Sequence[Gait], robot: Robot, cycles: int | None) -> tuple[
             else:
                 before = gait
             row += zip(before.motion.phases, before.pieces, strict=True)
-            if loop is not None and loop[1] == 0 and step == 1:
+            if loop is not None and loop[1] == 0 and step == once - 1:
                 loop = (loop[0], len(row), loop[2])
     return row, loop
 

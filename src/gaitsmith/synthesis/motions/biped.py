@@ -1,9 +1,11 @@
-"""A robot as the planner sees it: joints, soles, limits, and the mirror image that swaps its legs."""
+"""A robot as the planner sees it: the joints that move, soles, and the mirror image that swaps its legs."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -13,11 +15,14 @@ import numpy.typing as npt
 from gaitsmith.errors import BadInput
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Leg, Robot
-from gaitsmith.synthesis.motions.motion import Contact
+from gaitsmith.robots.sole import Sole
+from gaitsmith.synthesis.motions.motion import Contact, Phase, Side
 
 Array = npt.NDArray[np.float64]
-REST = 0.03  # m by which the hips are below their height with straight legs at rest
+Indices = npt.NDArray[np.int64]
+REST = 1.0 / 13.0  # share of the hips' height with straight legs by which they are lower at rest
 _SYMMETRY = 1e-7  # relative; left and right halves written with a few digits agree better
+_MIRROR = np.array([1.0, -1.0, 1.0])
 _PHYSICS = (
     "body_parentid",
     "body_pos",
@@ -42,153 +47,219 @@ _PHYSICS = (
 
 @dataclass(frozen=True, eq=False)
 class Biped:
-    """A robot with two legs of six joints and rectangular soles, symmetric about its sagittal plane.
+    """A robot with two legs of six joints and soles with an area; of the joints outside the legs some may be held.
 
     Attributes:
         robot: the robot as loaded.
+        index: (n,) the joints that move, among the robot's.
+        home: (N,) angles of all its joints, of which those that do not move keep theirs; zero if all move.
         partner: (n,), joint that takes a joint's place in the mirror image.
         sign: (n,), by which its angle is multiplied there.
+        asymmetry: by how much the robot differs from its mirror image: forces relative to the largest, lengths to the
+            height, angles in rad; the largest of them.
         height: hip midpoint above the soles with all joints at zero, m.
-        width: lateral distance between the soles with all joints at zero, m.
-        ankle_height: ankle above its sole, m.
+        width: lateral distance between the soles in a gait, m.
+        ankle_height: origin of the body that carries the sole above the sole, m.
         weight: total weight, N.
-        dynamics_hash: hash of all numbers that the dynamics depend on.
     """
 
     robot: Robot
-    partner: npt.NDArray[np.int64]
+    index: Indices
+    home: Array
+    partner: Indices
     sign: Array
+    asymmetry: float
     height: float
     width: float
     ankle_height: float
     weight: float
-    dynamics_hash: str
 
     @property
     def joints(self) -> int:
-        """Number of joints n."""
-        return len(self.robot.joint_names)
+        """Number of joints n that move."""
+        return len(self.index)
 
     @property
     def model(self) -> Any:
         """The MuJoCo model of the robot alone."""
         return self.robot.model
 
-    @property
-    def dof(self) -> range:
-        """Indices of the joints in `v`."""
-        return range(6, 6 + self.joints)
+    @cached_property
+    def held(self) -> Indices:
+        """The joints that do not move, among the robot's."""
+        return np.setdiff1d(np.arange(len(self.home)), self.index)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the joints that move."""
+        return tuple(self.robot.joint_names[joint] for joint in self.index)
+
+    @cached_property
+    def whole(self) -> Biped:
+        """The same robot with all joints moving: what gaits and their proofs are about."""
+        return biped_from(self.robot) if len(self.held) else self
 
     @property
-    def qpos(self) -> range:
-        """Indices of the joints in `q`."""
-        return range(7, 7 + self.joints)
+    def effort(self) -> float:
+        """The robot's unit of torque: its weight on a lever as long as its legs, N·m."""
+        return self.weight * self.height
+
+    @property
+    def fall_time(self) -> float:
+        """The robot's unit of time: square root of leg over gravity, s."""
+        return float(np.sqrt(self.height * self.robot.mass / self.weight))
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether a step may be mirrored."""
+        return self.asymmetry <= _SYMMETRY
+
+    @cached_property
+    def dynamics_hash(self) -> str:
+        """Hash of all numbers that the dynamics depend on."""
+        digest = hashlib.sha256()
+        for name in _PHYSICS:
+            digest.update(np.ascontiguousarray(getattr(self.model, name)).tobytes())
+        for values in (self.model.opt.gravity, self.index, self.partner, self.sign, self.home[self.held]):
+            digest.update(np.array(values).tobytes())
+        digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric]))
+        return digest.hexdigest()
 
     def leg(self, name: str) -> Leg:
         """The leg called left or right."""
         return self.robot.legs[0 if name == "left" else 1]
 
-    def corners(self, contact: Contact) -> Array:
+    def leg_joints(self, name: str) -> Indices:
+        """(6,) a leg's joints among those that move."""
+        return np.searchsorted(self.index, self.leg(name).joint_indices)
+
+    def sole(self, name: str) -> Sole:
+        """Shape of a leg's sole."""
+        return self.leg(name).sole
+
+    def corners(self, contact: Contact, foot: Side) -> Array:
         """(N, 2) corners of a sole that touch the ground in a contact, sole frame, m."""
-        sole = self.robot.legs[0].sole
-        ends = {"heel": (-sole.heel,), "toe": (sole.toe,), "flat": (-sole.heel, sole.toe), "air": ()}[contact]
-        return np.array([(x, y) for x in ends for y in (-sole.half_width, sole.half_width)]).reshape(-1, 2)
+        sole = self.sole(foot)
+        if contact in ("heel", "toe"):
+            x, right, left = sole.ends[0 if contact == "heel" else 1]
+            return np.array([(x, right), (x, left)])
+        return sole.corners if contact == "flat" else np.zeros((0, 2))
+
+    def pivot(self, phase: Phase) -> Array:
+        """(3,) point of the other sole, in its frame, about which u is taken and which closure holds in place."""
+        corners = self.corners(phase.contact, phase.other_foot)
+        turns = phase.contact in ("heel", "toe")
+        return np.array([*corners.mean(axis=0), 0.0]) if turns else np.zeros(3)
 
     def mirrored(self, values: Array) -> Array:
         """Joint angles, velocities, accelerations or torques (..., n) of the mirror image."""
         return np.asarray(values[..., self.partner] * self.sign)
 
 
-def _mirror(robot: Robot) -> tuple[npt.NDArray[np.int64], Array]:
-    """Partner and sign of every joint under y -> -y."""
-    names = robot.joint_names
-    partner = np.arange(len(names))
-    left, right = robot.legs
-    for one, two in zip(left.joint_indices, right.joint_indices, strict=True):
-        partner[one], partner[two] = two, one
-    for index, name in enumerate(names):
-        if partner[index] == index:
-            for a, b in (("left", "right"), ("right", "left"), ("Left", "Right"), ("Right", "Left")):
-                if a in name and name.replace(a, b, 1) in names:
-                    partner[index] = names.index(name.replace(a, b, 1))
-                    break
+def _mirror(robot: Robot) -> tuple[Indices, Array]:
+    """Partner and sign of every joint under y -> -y: legs in order from the hip, others where they lie."""
     data = mujoco.MjData(robot.model)
     mujoco.mj_kinematics(robot.model, data)
-    axes = data.xaxis[1:]
-    reflected = axes[partner] * np.array([-1.0, 1.0, -1.0])
-    sign = np.sum(axes * reflected, axis=1)
-    if np.abs(np.abs(sign) - 1.0).max() > 1e-6:
-        worst = int(np.argmax(np.abs(np.abs(sign) - 1.0)))
-        raise BadInput("robot", names[worst], "a robot whose left joints are the mirror image of its right ones")
-    return partner, np.sign(sign)
+    anchors, axes = data.xanchor[1:], data.xaxis[1:]
+    reflected = axes * -_MIRROR
+    away = np.linalg.norm(anchors[:, None] - anchors[None] * _MIRROR, axis=2)
+    apart = away / max(float(np.ptp(anchors)), 1e-9) + 1.0 - np.abs(axes @ reflected.T)
+    best = np.argmin(apart, axis=1)
+    partner = np.where(best[best] == np.arange(len(best)), best, np.arange(len(best)))
+    left, right = robot.legs
+    partner[np.isin(partner, [*left.joint_indices, *right.joint_indices])] = -1
+    partner = np.where(partner < 0, np.arange(len(best)), partner)
+    partner[left.joint_indices], partner[right.joint_indices] = right.joint_indices, left.joint_indices
+    return partner, np.where(np.sum(axes[partner] * reflected, axis=1) < 0.0, -1.0, 1.0)
 
 
-def _check_symmetry(robot: Robot, partner: npt.NDArray[np.int64], sign: Array) -> None:
-    """Inverse dynamics of mirrored motions must be mirrored forces."""
-    model = robot.model
-    data = mujoco.MjData(model)
-    rng = np.random.default_rng(0)
-    n = len(robot.joint_names)
-    q, v, a = rng.uniform(-0.3, 0.3, n), rng.normal(size=n), rng.normal(size=n)
-    forces = []
+def _asymmetry(biped: Biped) -> float:
+    """How far the forces of mirrored motions are from mirrored forces, and soles and posture from their images."""
+    model, whole = biped.model, biped.whole
+    data, rng, n = mujoco.MjData(model), np.random.default_rng(0), biped.joints
+    motions = [rng.uniform(-0.3, 0.3, n), rng.normal(size=n), rng.normal(size=n)]
+    forces, soles = [], []
     flags = int(model.opt.disableflags)
+    dofs = 6 + biped.index
     for image in (False, True):
-        data.qpos[:7] = (0, 0, 1, 1, 0, 0, 0)
-        data.qvel[:6], data.qacc[:6] = 0.0, 0.0
-        data.qpos[7:] = q[partner] * sign if image else q
-        data.qvel[6:] = v[partner] * sign if image else v
-        data.qacc[6:] = a[partner] * sign if image else a
+        q, v, a = (biped.mirrored(values) if image else values for values in motions)
+        data.qpos[:7], data.qpos[7:] = (0, 0, 1, 1, 0, 0, 0), biped.home
+        data.qvel[:], data.qacc[:] = 0.0, 0.0
+        data.qpos[1 + dofs], data.qvel[dofs], data.qacc[dofs] = q, v, a
         model.opt.disableflags = flags | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         try:
             mujoco.mj_inverse(model, data)
         finally:
             model.opt.disableflags = flags
-        forces.append(data.qfrc_inverse.copy())
+        found = data.qfrc_inverse.copy()
+        forces.append(np.concatenate([found[:6], found[dofs]]))
+        sites = [data.site(leg.sole_site) for leg in biped.robot.legs]
+        soles.append([(site.xpos.copy(), site.xmat.reshape(3, 3).copy()) for site in sites])
     plain, image_forces = forces
-    base = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-    expected = np.concatenate([plain[:6] * base, plain[6:][partner] * sign])
-    error = np.abs(image_forces - expected).max() / np.abs(plain).max()
-    if error > _SYMMETRY:
-        raise BadInput(
-            "robot", robot.card.name, "a robot that is its own mirror image", f"forces differ by {error:.1e}"
-        )
+    expected = np.concatenate([plain[:3] * _MIRROR, plain[3:6] * -_MIRROR, biped.mirrored(plain[6:])])
+    errors = [float(np.abs(image_forces - expected).max() / np.abs(plain).max())]
+    for (place, turn), (other, back) in zip(soles[0], soles[1][::-1], strict=True):
+        errors.append(float(np.abs(other - place * _MIRROR).max()) / biped.height)
+        errors.append(float(np.abs(back - np.outer(_MIRROR, _MIRROR) * turn).max()))
+    errors.append(float(np.abs(whole.mirrored(biped.home) - biped.home)[biped.held].max(initial=0.0)))
+    shapes = [
+        {(round(x, 9), round(s * y, 9)) for x, y in biped.sole(n).corners} for n, s in (("left", 1), ("right", -1))
+    ]
+    return max(errors) if shapes[0] == shapes[1] else max(*errors, 2.0 * _SYMMETRY)
 
 
-def biped_from(robot: Robot) -> Biped:
+def biped_from(robot: Robot, free: Sequence[str] | None = None) -> Biped:
     """The planner's view of a robot.
 
+    Args:
+        robot: the robot.
+        free: joints outside the legs that move; all of them if None. The others stay where the controller holds them.
+
     Raises:
-        BadInput: legs of other than six joints, soles that are no rectangles, or a robot that is not symmetric.
+        BadInput: legs of other than six joints, soles that are lines, or joints that are not there or in a leg.
     """
     for leg in robot.legs:
-        if len(leg.joints) != 6 or leg.sole.kind != "rectangle":
+        if len(leg.joints) != 6 or leg.sole.kind == "line":
             given = f"{len(leg.joints)} joints, {leg.sole.kind} sole"
-            raise BadInput("robot", given, "legs with six joints and rectangular soles", "gaitsmith walk takes others")
-    if robot.legs[0].sole != robot.legs[1].sole:
-        raise BadInput("robot", "different soles", "two equal soles")
-    partner, sign = _mirror(robot)
-    _check_symmetry(robot, partner, sign)
+            raise BadInput("robot", given, "legs with six joints and soles with an area", "gaitsmith walk takes others")
+    legs = np.concatenate([leg.joint_indices for leg in robot.legs])
+    others = [name for k, name in enumerate(robot.joint_names) if k not in legs]
+    for name in free or ():
+        if name not in others:
+            raise BadInput("free", name, f"a joint outside the legs: {', '.join(others) or 'there is none'}")
+    moving = [k for k, name in enumerate(robot.joint_names) if free is None or k in legs or name in free]
     data = mujoco.MjData(robot.model)
     mujoco.mj_kinematics(robot.model, data)
     soles = [data.site(leg.sole_site).xpos for leg in robot.legs]
     torso = robot.torso_body
     hip = data.xpos[torso] + data.xmat[torso].reshape(3, 3) @ robot.hip_midpoint
-    ankle = data.xanchor[robot.legs[0].ankle_pitch + 1]
-    digest = hashlib.sha256()
-    for name in _PHYSICS:
-        digest.update(np.ascontiguousarray(getattr(robot.model, name)).tobytes())
-    digest.update(np.array(robot.model.opt.gravity).tobytes())
-    digest.update(",".join(leg.sole_site for leg in robot.legs).encode())
-    return Biped(
+    partner, sign = _mirror(robot)
+    index = np.array(moving, dtype=np.int64)
+    inside = np.isin(partner, index)  # a partner that is held is none
+    own = np.where(inside, partner, np.arange(len(partner)))[index]
+    biped = Biped(
         robot=robot,
-        partner=partner,
-        sign=sign,
+        index=index,
+        home=np.zeros(len(robot.joint_names)),
+        partner=np.searchsorted(index, own),
+        sign=np.where(inside, sign, 1.0)[index],
+        asymmetry=0.0,
         height=float(hip[2] - soles[0][2]),
-        width=float(soles[0][1] - soles[1][1]),
-        ankle_height=float(ankle[2] - soles[0][2]),
+        width=2.0 * robot.card.gait.width,
+        ankle_height=float(data.xpos[robot.legs[0].sole_body][2] - soles[0][2]),
         weight=float(robot.mass * np.linalg.norm(robot.model.opt.gravity)),
-        dynamics_hash=digest.hexdigest(),
     )
+    if free is None:
+        return biped
+    biped = replace(biped, home=_standing(biped))
+    return replace(biped, asymmetry=_asymmetry(biped))
+
+
+def _standing(biped: Biped, height: float | None = None) -> Array:
+    """(N,) standing posture of all joints."""
+    height = biped.height * (1.0 - REST) if height is None else height
+    sole = biped.robot.legs[0].sole
+    return standing_posture(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)[7:]
 
 
 def standing(biped: Biped, height: float | None = None) -> Array:
@@ -196,11 +267,9 @@ def standing(biped: Biped, height: float | None = None) -> Array:
 
     Args:
         biped: the robot.
-        height: hip midpoint above the soles, m; 3 cm below straight legs if None.
+        height: hip midpoint above the soles, m; a thirteenth less than with straight legs if None.
 
     Raises:
         BadInput: the legs do not reach.
     """
-    height = biped.height - REST if height is None else height
-    sole = biped.robot.legs[0].sole
-    return standing_posture(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)[7:]
+    return _standing(biped, height)[biped.index]

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import At, Condition, Limit, Motion, Phase, Same, Side, State, opposite
+from gaitsmith.synthesis.motions.settings import LEG
 
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
@@ -39,6 +40,12 @@ class StepParameters:
     toe_off: float = 0.20
     heel_strike: float = 0.15
     shift: float = 0.6
+
+    @classmethod
+    def sized(cls, leg: float, length: float, period: float, **given: float) -> StepParameters:
+        """The same step for hips ``leg`` m high with straight legs, where ``given`` says nothing else."""
+        size = leg / LEG
+        return cls(length, period, **({"height": cls.height * size, "shift": cls.shift * size**0.5} | given))
 
 
 @dataclass(frozen=True)
@@ -107,12 +114,18 @@ def _off(step: StepParameters, border: int) -> At:
 
 
 def cyclic(biped: Biped, step: StepParameters) -> Motion:
-    """One step of the cyclic walk, the right foot as first support; six-point boundary constraints (1)-(6)."""
+    """One step of the cyclic walk, the right foot as first support; six-point boundary constraints (1)-(6).
+
+    Of a robot that is not its own mirror image two steps.
+    """
     half = biped.width / 2.0
-    here, there = (0.0, -half), (step.length, half)
+    here, there, further = (0.0, -half), (step.length, half), (2.0 * step.length, -half)
     phases = _swing(step, "right", here) + _transfer(step, "right", here, there)
-    conditions = (*_apex(biped, step, 1), _strike(step, 2), _off(step, 5))
-    return Motion("cyclic", tuple(phases), conditions, cyclic=True, parameters=_record("cyclic", step))
+    conditions = [*_apex(biped, step, 1), _strike(step, 2), _off(step, 5)]
+    if not biped.symmetric:
+        phases += _swing(step, "left", there) + _transfer(step, "left", there, further)
+        conditions += [*_apex(biped, step, 6), _strike(step, 7), _off(step, 10)]
+    return Motion("cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=_record("cyclic", step))
 
 
 def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Array, Array]) -> Motion:

@@ -16,7 +16,7 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
 
     Args:
         phases: in order of time.
-        cyclic: whether the mirror image of the first phase follows the last one.
+        cyclic: whether the first phase follows the last one, or its mirror image does.
         keys: what the file calls the place of the support foot, and that of the other one.
 
     Raises:
@@ -44,15 +44,14 @@ def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) 
 
 
 def _check_cycle(first: Phase, last: Phase, keys: tuple[str, str]) -> None:
-    """The mirror image of the first phase, moved to where the last one ends, must be able to follow it."""
-    if last.support == first.support:
-        valid = "a last phase whose support foot differs from the first's"
-        raise BadInput("cyclic", True, valid, "a cyclic motion ends as the mirror image of its start")
+    """The first phase, or its mirror image if the support differs, must be able to follow the last one."""
+    side = 1.0 if last.support == first.support else -1.0
     if first.other is not None and last.other is not None:
         gaps = [b - a for a, b in zip(first.foothold, first.other, strict=True)]
-        wanted = (last.foothold[0] + gaps[0], last.foothold[1] - gaps[1])
+        wanted = (last.foothold[0] + gaps[0], last.foothold[1] + side * gaps[1])
         if not _equal(wanted, last.other):
-            raise BadInput(f"cyclic: last phase's {keys[1]}", last.other, f"{wanted}, the first's mirror image")
+            valid = f"{wanted}, as at the start" + ("" if side > 0.0 else ", mirrored")
+            raise BadInput(f"cyclic: last phase's {keys[1]}", last.other, valid)
 
 
 def _equal(one: _Place, two: _Place) -> bool:

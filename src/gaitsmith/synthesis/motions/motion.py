@@ -141,7 +141,8 @@ class Motion:
         name: cyclic, start, stop, walk, kick, or the user's.
         phases: in order of time.
         conditions: at the borders between phases.
-        cyclic: the end is the mirror image of the start, one step further.
+        cyclic: the end is the start, one stride further; or its mirror image, one step further, where another foot
+            supports.
         parameters: what the motion was made from, for the record.
     """
 
@@ -155,6 +156,16 @@ class Motion:
     def borders(self) -> Array:
         """(len(phases) + 1,) times of the borders, s."""
         return np.concatenate([[0.0], np.cumsum([phase.duration for phase in self.phases])])
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether a cyclic motion goes on as its mirror image."""
+        return self.cyclic and self.phases[0].support != self.phases[-1].support
+
+    @property
+    def steps(self) -> int:
+        """Steps that a cyclic motion takes."""
+        return 1 if self.mirrored else 2
 
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""

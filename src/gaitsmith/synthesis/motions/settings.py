@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from gaitsmith.robots.parameters import Fraction, Parameters, Positive
 
+if TYPE_CHECKING:
+    from gaitsmith.synthesis.motions.biped import Biped
+
+LEG = 0.39  # m: of hips this high with straight legs the lengths are that are given as defaults; others in proportion
+_LENGTHS = ("yaw_friction", "zmp_margin", "squat", "foot_gap", "clearance")
+_NARROW = 0.45  # of half a sole's width, the largest default margin
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -76,3 +82,14 @@ class Settings(Parameters):
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=10000)] = 400
     time_limit: Annotated[float, Field(gt=0.0, le=3600.0)] = 60.0
+
+    def sized(self, biped: Biped) -> Settings:
+        """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it."""
+        size, given = biped.height / LEG, self.bounds.model_fields_set
+        lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}
+        if "zmp_margin" in lengths:
+            narrowest = min(leg.sole.half_width for leg in biped.robot.legs)
+            lengths["zmp_margin"] = min(lengths["zmp_margin"], _NARROW * narrowest)
+        found = {"bounds": self.bounds.model_copy(update=lengths)}
+        weight = {} if "wrench_weight" in self.model_fields_set else {"wrench_weight": size**2 * self.wrench_weight}
+        return self.model_copy(update=found | weight)

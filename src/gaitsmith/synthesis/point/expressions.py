@@ -1,72 +1,132 @@
-"""The dynamics and kinematics of one point of a gait as CasADi expressions; with them changes the machine code."""
+"""The dynamics and kinematics of one point of a gait as CasADi expressions; with them changes the machine code.
+
+All outputs but the last four are *plain*: at most linear in accelerations and in u. Twist and load are products of
+plain ones, so their curvature, and that of the squared torques, is a product of Jacobians. Only the plain outputs'
+Hessian is expanded, which makes the code a fifth of what expanding everything takes.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from gaitsmith.dynamics import symbolic
 from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import Side, opposite
 from gaitsmith.synthesis.point.layout import PointLayout
 
-NAMES = ("value", "jacobian", "hessian")
+KINDS = ("value", "jacobian", "hessian")
+
+
+def sides_of(biped: Biped) -> tuple[Side, ...]:
+    """The support feet that need functions of their own: one stands for both in a robot that is its mirror image."""
+    return ("right",) if biped.symmetric else ("right", "left")
 
 
 def point_expressions(biped: Biped) -> list[Any]:
-    """The three functions as CasADi expressions in the virtual machine."""
-    model, layout = biped.model, PointLayout(biped.joints)
-    n = layout.joints
+    """Value, Jacobian and Hessian for every support foot of :func:`sides_of`, in CasADi's virtual machine."""
+    layout = PointLayout(biped.joints)
     z, pivot = ca.SX.sym("z", layout.inputs), ca.SX.sym("pivot", 3)
+    multipliers = ca.SX.sym("l", layout.twist)
+    cores = []
+    for side in sides_of(biped):
+        plain = _plain(biped, side, z, pivot)
+        products = _products(layout, plain, z, biped.weight)
+        outputs = ca.vertcat(plain, products)
+        curved = ca.hessian(ca.dot(multipliers, plain), z)[0]
+        cores.append((outputs, ca.jacobian(outputs, z), curved))
+    # One pattern for both feet, so that their points mix in one program.
+    patterns = [[core[k].sparsity() for core in cores] for k in (1, 2)]
+    slopes, curves = (pattern[0] if len(pattern) == 1 else pattern[0].unite(pattern[1]) for pattern in patterns)
+    found = []
+    for side, (outputs, slope, curved) in zip(sides_of(biped), cores, strict=True):
+        value = ca.Function(f"value_{side}", [z, pivot], [outputs], {"cse": True})
+        jacobian = ca.Function(f"jacobian_{side}", [z, pivot], [outputs, ca.project(slope, slopes)], {"cse": True})
+        core = ca.Function(f"curved_{side}", [z, pivot, multipliers], [ca.project(curved, curves)], {"cse": True})
+        found += [value, jacobian, _hessian(f"hessian_{side}", layout, biped.weight, jacobian, core)]
+    return found
+
+
+def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
+    """Plain outputs with a foot as support; for the left one all in the mirrored frame."""
+    model, n = biped.model, biped.joints
+    left = side == "left"
+    mirror = ca.DM(np.diag([1.0, -1.0, 1.0]) if left else np.eye(3))  # of a vector
+    axial = -mirror if left else mirror  # of a moment or an angular velocity
+    sign = biped.sign if left else np.ones(n)
+    order = biped.partner if left else np.arange(n)
     q, v, a = ca.SX.zeros(model.nq), ca.SX.zeros(model.nv), ca.SX.zeros(model.nv)
-    for joint in range(n):
-        q[biped.qpos[joint]], v[biped.dof[joint]], a[biped.dof[joint]] = z[joint], z[n + joint], z[2 * n + joint]
-    u = z[layout.wrench :]
-    support, other = biped.leg("right"), biped.leg("left")
+    for local, joint in enumerate(biped.index[order].tolist()):
+        q[7 + joint], v[6 + joint], a[6 + joint] = (sign[local] * z[k * n + local] for k in range(3))
+    u = z[3 * n :]
+    support, other = biped.leg(side), biped.leg(opposite(side))
     turn = support.sole_rotation.T
     start = symbolic.at_rest(model, turn, -turn @ support.sole_position)
-    point = ca.DM(other.sole_position) + ca.mtimes(ca.DM(other.sole_rotation), pivot)
-    wrench = symbolic.ExternalWrench(other.sole_body, point, u[:3], u[3:])
-    found = symbolic.newton_euler(model, support.sole_body, start, q, v, a, (wrench,))
-    torque = ca.vertcat(*(found.generalized[dof] for dof in biped.dof))
+    point = ca.DM(other.sole_position) + ca.mtimes(ca.DM(other.sole_rotation), ca.mtimes(mirror, pivot))
+    wrench = symbolic.ExternalWrench(other.sole_body, point, ca.mtimes(mirror, u[:3]), ca.mtimes(axial, u[3:]))
+    held = {6 + joint: float(biped.home[joint]) for joint in biped.held.tolist()}
+    found = symbolic.newton_euler(model, support.sole_body, start, q, v, a, (wrench,), held)
+    torque = [sign[k] * found.generalized[6 + joint] for k, joint in enumerate(biped.index[order].tolist())]
     force = ca.mtimes(ca.DM(turn), found.root_force)
     moment = ca.mtimes(ca.DM(turn), found.root_moment) + ca.cross(start.position, force)
     foot, torso = found.motion[other.sole_body], found.motion[biped.robot.torso_body]
-    sole = ca.mtimes(foot.rotation, ca.DM(other.sole_rotation))
+    sole = ca.mtimes([mirror, foot.rotation, ca.DM(other.sole_rotation), mirror])
+    body = ca.mtimes([mirror, torso.rotation, mirror])
     spin = ca.cross(foot.omega, point)
-    local = foot.acceleration + ca.cross(foot.alpha, point) + ca.cross(foot.omega, spin)
+    pull = foot.acceleration + ca.cross(foot.alpha, point) + ca.cross(foot.omega, spin)
+    turned, turned_axial = ca.mtimes(mirror, foot.rotation), ca.mtimes(axial, foot.rotation)
     hip = torso.position + ca.mtimes(torso.rotation, ca.DM(biped.robot.hip_midpoint))
-    outputs = ca.vertcat(
-        torque,
-        force,
-        moment,
-        foot.position + ca.mtimes(foot.rotation, point),
+    return ca.vertcat(
+        *torque,
+        ca.mtimes(mirror, force),
+        ca.mtimes(axial, moment),
+        ca.mtimes(mirror, foot.position) + ca.mtimes(turned, point),
         sole[1, 0],
         -sole[2, 0],
         sole[2, 1],
-        ca.mtimes(foot.rotation, foot.velocity + spin),
-        ca.mtimes(foot.rotation, foot.omega),
-        ca.mtimes(foot.rotation, local) + ca.DM(model.opt.gravity),
-        ca.mtimes(foot.rotation, foot.alpha),
+        ca.mtimes(turned, foot.velocity + spin),
+        ca.mtimes(turned_axial, foot.omega),
+        ca.mtimes(turned, pull) + ca.DM(model.opt.gravity),
+        ca.mtimes(turned_axial, foot.alpha),
         hip[2],
-        torso.rotation[1, 0],
-        -torso.rotation[2, 0],
-        torso.rotation[2, 1],
-        foot.position,
-        ca.mtimes(foot.rotation, foot.velocity),
+        body[1, 0],
+        -body[2, 0],
+        body[2, 1],
+        ca.mtimes(mirror, foot.position),
+        ca.mtimes(turned, foot.velocity),
         sole[0, 0],
-        ca.dot(moment, force) / biped.weight,
-        ca.dot(u[3:], u[:3]) / biped.weight,
-        force[2] ** 2 / biped.weight,
-        u[2] ** 2 / biped.weight,
     )
-    multipliers, weight = ca.SX.sym("l", layout.outputs), ca.SX.sym("w")
-    jacobian = ca.jacobian(outputs, z)
-    torque_jacobian = ca.jacobian(torque, z)
-    hessian = ca.hessian(ca.dot(multipliers, outputs), z)[0]
-    hessian = hessian + 2 * weight * ca.mtimes(torque_jacobian.T, torque_jacobian)
-    return [
-        ca.Function("value", [z, pivot], [outputs]),
-        ca.Function("jacobian", [z, pivot], [outputs, jacobian]),
-        ca.Function("hessian", [z, pivot, multipliers, weight], [hessian]),
-    ]
+
+
+def _products(layout: PointLayout, plain: Any, z: Any, weight: float) -> Any:
+    """Twist and load of the support sole and of the other."""
+    force, moment = plain[layout.force : layout.force + 3], plain[layout.moment : layout.moment + 3]
+    u = z[layout.wrench :]
+    products = ca.dot(moment, force), ca.dot(u[3:], u[:3]), force[2] ** 2, u[2] ** 2
+    return ca.vertcat(*products) / weight
+
+
+def _hessian(name: str, layout: PointLayout, weight: float, jacobian: Any, core: Any) -> Any:
+    """(z, pivot, multipliers, weight) -> Hessian of multipliersᵀ o, and twice the weight times JᵀJ of the torques."""
+    z, pivot, w = ca.MX.sym("z", layout.inputs), ca.MX.sym("pivot", 3), ca.MX.sym("w")
+    multipliers = ca.MX.sym("l", layout.outputs)
+    o, J = jacobian(z, pivot)
+    twist, load = multipliers[layout.twist :][:2] / weight, multipliers[layout.load :][:2] / weight
+    force, moment, n = layout.force, layout.moment, layout.joints
+    pressed = ca.vertcat(0, 0, 2 * load[0])
+    chained = ca.vertcat(
+        ca.MX(n, 1), twist[0] * o[moment : moment + 3] + pressed * o[force : force + 3], twist[0] * o[force : force + 3]
+    )
+    plain = multipliers[: layout.twist] + ca.vertcat(chained, ca.MX(layout.twist - n - 6, 1))
+    torque, push, turn = J[:n, :], J[force : force + 3, :], J[moment : moment + 3, :]
+    stack = ca.vertcat(torque, push, turn)
+    weighed = ca.vertcat(2 * w * torque, twist[0] * turn + ca.mtimes(ca.diag(pressed), push), twist[0] * push)
+    cross = ca.vertcat(
+        ca.horzcat(ca.diag(ca.vertcat(0, 0, 2 * load[1])), twist[1] * ca.DM.eye(3)),
+        ca.horzcat(twist[1] * ca.DM.eye(3), ca.MX(3, 3)),
+    )
+    last = ca.diagcat(ca.MX(layout.wrench, layout.wrench), cross)
+    total = core(z, pivot, plain) + ca.mtimes(stack.T, weighed) + last
+    return ca.Function(name, [z, pivot, multipliers, w], [total])

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.point.caller import Caller
-from gaitsmith.synthesis.point.expressions import point_expressions
+from gaitsmith.synthesis.point.expressions import KINDS, point_expressions
 from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.point.library import point_library
 
@@ -22,58 +23,66 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PointFunctions:
-    """The three functions of a point and how they came about.
+    """The functions of a point and how they came about.
 
     Attributes:
         layout: meaning of inputs z and outputs o.
-        value: (z, pivot) -> o.
-        jacobian: (z, pivot) -> (o, do/dz).
-        hessian: (z, pivot, multipliers, weight) -> d²(multipliersᵀ o)/dz² + 2 weight JᵀJ with J = dτ/dz.
+        sides: for the right foot as support, and for the left one unless the robot is its own mirror image:
+            value: (z, pivot) -> o;
+            jacobian: (z, pivot) -> (o, do/dz);
+            hessian: (z, pivot, multipliers, weight) -> d²(multipliersᵀ o)/dz² + 2 weight JᵀJ with J = dτ/dz.
         compiled: whether they are machine code.
         compile_s: time spent compiling in this call, s.
     """
 
     layout: PointLayout
-    value: Any
-    jacobian: Any
-    hessian: Any
+    sides: tuple[tuple[Any, Any, Any], ...]
     compiled: bool
     compile_s: float
-    _mapped: dict[tuple[str, int], Caller] = field(default_factory=dict)
-    _places: dict[str, npt.NDArray[np.int64]] = field(default_factory=dict)
+    _mapped: dict[tuple[str, int, int], Caller] = field(default_factory=dict)
 
-    def evaluate(self, points: Array, pivots: Array) -> Array:
-        """Outputs (outputs, K) for many points: inputs (inputs, K) and pivots (3, K)."""
+    def side(self, support: float) -> int:
+        """Which of ``sides`` a phase takes; ``support``: +1 with the right foot as support, -1 with the left."""
+        return 0 if support > 0.0 else len(self.sides) - 1
+
+    def evaluate(self, points: Array, pivots: Array, support: float = 1.0) -> Array:
+        """Outputs (outputs, K) for many points with one support: inputs (inputs, K) and pivots (3, K)."""
         count = points.shape[1]
         if count == 0:
             return np.zeros((self.layout.outputs, 0))
-        (found,) = self._caller("value", count)(points.T.ravel(), pivots.T.ravel())
+        (found,) = self._caller("value", count, self.side(support))(points.T.ravel(), pivots.T.ravel())
         return found.reshape(count, self.layout.outputs).T.copy()
 
-    def differentiate(self, points: Array, pivots: Array) -> tuple[Array, Array]:
-        """Outputs (outputs, K) and Jacobians (K, outputs, inputs) for many points."""
+    def differentiate(self, points: Array, pivots: Array, support: float) -> tuple[Array, Array]:
+        """Outputs (outputs, K) and Jacobians (K, outputs, inputs) for many points with one support."""
         count = points.shape[1]
-        values, slopes = self._caller("jacobian", count)(points.T.ravel(), pivots.T.ravel())
-        dense = self._dense("jacobian", 1, slopes, (self.layout.outputs, self.layout.inputs))
+        values, slopes = self._caller("jacobian", count, self.side(support))(points.T.ravel(), pivots.T.ravel())
+        rows, columns = self.pattern("jacobian").get_triplet()
+        dense = np.zeros((count, self.layout.outputs, self.layout.inputs))
+        dense[:, rows, columns] = slopes.reshape(count, -1)
         return values.reshape(count, self.layout.outputs).T.copy(), dense
 
-    def _dense(self, name: str, output: int, nonzeros: Array, shape: tuple[int, int]) -> Array:
-        """Matrices (K, *shape) from the nonzeros of a mapped function's output."""
-        if name not in self._places:
-            rows, columns = getattr(self, name).sparsity_out(output).get_triplet()
-            self._places[name] = np.array(rows) * shape[1] + np.array(columns)
-        places = self._places[name]
-        found = np.zeros((len(nonzeros) // len(places), shape[0] * shape[1]))
-        found[:, places] = nonzeros.reshape(-1, len(places))
-        return found.reshape(-1, *shape)
+    def pattern(self, kind: str) -> Any:
+        """Sparsity of the last output of a function, the same for all sides."""
+        function = self.sides[0][KINDS.index(kind)]
+        return function.sparsity_out(function.n_out() - 1)
 
-    def _caller(self, name: str, count: int) -> Caller:
+    def mapped(self, kind: str, groups: tuple[int, ...], *arguments: Any) -> list[Any]:
+        """CasADi expressions of a function's outputs at many points: so many of each side, in the order of columns."""
+        found = []
+        for index, (side, count) in enumerate(zip(self.sides, groups, strict=True)):
+            first = sum(groups[:index])
+            if count:
+                found.append(side[KINDS.index(kind)].map(count).call([a[:, first : first + count] for a in arguments]))
+        return [ca.horzcat(*outputs) for outputs in zip(*found, strict=True)]
+
+    def _caller(self, kind: str, count: int, side: int) -> Caller:
         """The function mapped over a number of points, kept for the next time."""
-        key = (name, count)
+        key = (kind, count, side)
         if key not in self._mapped:
             if len(self._mapped) > _KEPT:
                 self._mapped.clear()
-            self._mapped[key] = Caller(getattr(self, name).map(count))
+            self._mapped[key] = Caller(self.sides[side][KINDS.index(kind)].map(count))
         return self._mapped[key]
 
 
@@ -88,5 +97,6 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
         CacheRefused: the cache folder is not the owner's alone.
     """
     loaded, spent = point_library(biped, notify or (lambda _: None))
-    value, jacobian, hessian = loaded if loaded is not None else point_expressions(biped)
-    return PointFunctions(PointLayout(biped.joints), value, jacobian, hessian, loaded is not None, spent)
+    functions = point_expressions(biped) if loaded is None else loaded
+    sides = tuple((functions[k], functions[k + 1], functions[k + 2]) for k in range(0, len(functions), 3))
+    return PointFunctions(PointLayout(biped.joints), sides, loaded is not None, spent)

@@ -53,13 +53,13 @@ def point_library(biped: Biped, tell: Callable[[str], None]) -> tuple[list[Any] 
         folder = private_folder(private_folder(cache_root()) / f"point-{_key(biped, compiler)}")
         library = _kept(folder)
         if library is not None:
-            return _loaded(library), 0.0
+            return _loaded(library, biped), 0.0
         with tempfile.TemporaryDirectory(dir=folder, prefix="build-", ignore_cleanup_errors=True) as scratch:
             tell("compiling the robot's dynamics, once (about a minute)")
             library = _compiled(expressions.point_expressions(biped), compiler, Path(scratch))
             digest = hashlib.sha256(library.read_bytes()).hexdigest()
             library = library.replace(folder / f"{digest}.so")
-        return _loaded(library), time.perf_counter() - begin
+        return _loaded(library, biped), time.perf_counter() - begin
     except OSError as error:
         where = f"{error.filename}: {error.strerror}; set GAITSMITH_CACHE_DIR to a folder of your own"
         tell(f"no place to keep compiled dynamics ({where}): going on without, {_SLOWER}")
@@ -96,8 +96,9 @@ def _kept(folder: Path) -> Path | None:
     return None
 
 
-def _loaded(library: Path) -> list[Any]:
-    return [ca.external(name, str(library)) for name in expressions.NAMES]
+def _loaded(library: Path, biped: Biped) -> list[Any]:
+    sides = expressions.sides_of(biped)
+    return [ca.external(f"{kind}_{side}", str(library)) for side in sides for kind in expressions.KINDS]
 
 
 def _compiled(functions: list[Any], compiler: str, scratch: Path) -> Path:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, Program
+from gaitsmith.synthesis.program.program import Program
 
 Array = npt.NDArray[np.float64]
 
@@ -29,7 +29,7 @@ def _blocks(pattern: Any, count: int) -> Any:
 
 
 class Assembly:
-    """CasADi functions of a whole program; the objective is scaled by ``OBJECTIVE_SCALE``.
+    """CasADi functions of a whole program; the objective is scaled.
 
     Args:
         program: the program.
@@ -41,9 +41,9 @@ class Assembly:
         layout, count = program.functions.layout, program.points.count
         self._B, self._C, self._D = _sparse(program.inputs), _sparse(program.outputs), _sparse(program.linear)
         self._pivots, self._price = ca.DM(program.pivots), ca.DM(program.price)
-        self._weight = ca.DM(program.points.weight * OBJECTIVE_SCALE).T
+        self._weight = ca.DM(program.points.weight * program.scale).T
         self._z = ca.reshape(ca.mtimes(self._B, self.x), layout.inputs, count)
-        self._o = program.functions.value.map(count)(self._z, self._pivots)
+        self._o = program.functions.mapped("value", program.groups, self._z, self._pivots)[0]
 
     def _torque_slope(self, torque: Any) -> Any:
         """D objective / d outputs, (outputs, K)."""
@@ -64,8 +64,8 @@ class Assembly:
     def _jacobians(self) -> tuple[Any, Any]:
         """Outputs and their block-diagonal Jacobian."""
         fun, count = self.program.functions, self.program.points.count
-        o, jac = fun.jacobian.map(count)(self._z, self._pivots)
-        return o, ca.sparsity_cast(jac, _blocks(fun.jacobian.sparsity_out(1), count))
+        o, jac = fun.mapped("jacobian", self.program.groups, self._z, self._pivots)
+        return o, ca.sparsity_cast(jac, _blocks(fun.pattern("jacobian"), count))
 
     def _slope(self, o: Any, J: Any) -> Any:
         """Gradient of the objective."""
@@ -118,9 +118,10 @@ class Assembly:
         """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
         layout, program, fun = self.program.functions.layout, self.program, self.program.functions
         count = program.points.count
-        blocks = fun.hessian.map(count)(self._z, self._pivots, on_outputs, factor * self._weight)
-        H = ca.sparsity_cast(blocks, _blocks(fun.hessian.sparsity_out(0), count))
+        arguments = self._z, self._pivots, on_outputs, factor * self._weight
+        (blocks,) = fun.mapped("hessian", program.groups, *arguments)
+        H = ca.sparsity_cast(blocks, _blocks(fun.pattern("hessian"), count))
         u_part = np.zeros((layout.inputs, count))
-        u_part[layout.wrench :, :] = 2 * program.wrench_weight * program.points.weight * OBJECTIVE_SCALE
+        u_part[layout.wrench :, :] = 2 * program.wrench_weight * program.points.weight * program.scale
         constant = _sparse(program.inputs.T @ sp.diags(u_part.T.ravel()) @ program.inputs)
         return ca.mtimes(ca.mtimes(self._B.T, H), self._B) + factor * constant

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Motion, Phase, Same, State
-from gaitsmith.synthesis.program.bounds import pivot_of, quantity_form
+from gaitsmith.synthesis.program.bounds import quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
@@ -47,10 +47,10 @@ def closure_rows(rows: Rows, trans: Transcription, points: Points) -> None:
 def _close(rows: Rows, trans: Transcription, point: int, index: int, phase: Phase, flat: bool, time: float) -> None:
     layout = trans.layout
     base = point * layout.outputs
-    pivot = pivot_of(trans.biped, phase)
+    pivot = trans.pivots[index]
     assert phase.other is not None
     dx = phase.other[0] - phase.foothold[0] + pivot[0]
-    dy = phase.side * (phase.other[1] - phase.foothold[1])
+    dy = phase.side * (phase.other[1] - phase.foothold[1]) + pivot[1]
     label = Label(f"closure of the {phase.contact} foot", "m or rad", index, time, 1.0)
     for axis, value in enumerate((dx, dy, 0.0)):
         rows.add(label, value, value, {base + layout.pivot + axis: 1.0})
@@ -111,11 +111,11 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
 def _about_sole(trans: Transcription, phase: int, coefficient: int) -> list[dict[int, float]]:
     """Six forms in x: u of a phase at its start (coefficient 0) or end (3), about the sole frame's origin, flat."""
     columns = trans.wrench_columns(phase)[:, coefficient]
-    x = float(pivot_of(trans.biped, trans.motion.phases[phase])[0])
+    x, y = trans.pivots[phase][:2].tolist()
     forms = [{int(column): 1.0} for column in columns]
-    if x:
-        forms[4][int(columns[2])] = -x
-        forms[5][int(columns[1])] = x
+    for row, column, lever in ((3, 2, y), (4, 2, -x), (5, 1, x), (5, 0, -y)):
+        if lever:
+            forms[row][int(columns[column])] = lever
     return forms
 
 
@@ -150,7 +150,8 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
 
 def _periodic_rows(rows: Rows, trans: Transcription, motion: Motion) -> None:
     last = len(motion.phases)
-    partner, sign = trans.biped.partner, trans.biped.sign
+    biped, n = trans.biped, trans.biped.joints
+    partner, sign = (biped.partner, biped.sign) if motion.mirrored else (np.arange(n), np.ones(n))
     for derivative, scale in enumerate((1.0, 0.1, 0.01)):
         start = trans.state_rows(0, derivative)[partner].multiply(sign[:, None])
         matrix = (trans.state_rows(last, derivative) - start) * scale

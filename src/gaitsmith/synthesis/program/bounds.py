@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
@@ -10,15 +11,15 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, Side, opposite
+from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, opposite
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import PointLayout
 
 Array = npt.NDArray[np.float64]
 Form = dict[int, float]
-Reach = tuple[float, float, float]
 _FACETS = 8  # of the pyramid inside the friction cone
 _PITCH = 1  # axis of an angle that the mirror image keeps
+_LEAST = 0.1  # share of an edge's distance that a margin leaves
 _LEVEL = 0.6  # largest sine of a turning foot's pitch
 
 
@@ -85,15 +86,9 @@ def _smooth(s: Array) -> Array:
     return np.asarray(s**3 * (10.0 + s * (6.0 * s - 15.0)))
 
 
-def pivot_of(biped: Biped, phase: Phase) -> Array:
-    """(3,) point of the other sole, in its frame, about which u is taken and which closure holds in place."""
-    sole = biped.leg("left").sole
-    return np.array([{"heel": -sole.heel, "toe": sole.toe}.get(phase.contact, 0.0), 0.0, 0.0])
-
-
 def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, float]:
     """Linear form in the outputs, and the constant, that give a quantity in world coordinates."""
-    layout, sole = PointLayout(biped.joints), biped.leg("left").sole
+    layout, sole, pivot = PointLayout(biped.joints), biped.sole(phase.other_foot), biped.pivot(phase)
     part, axis, _ = QUANTITIES[quantity]
     if part in ("foot", "torso"):
         return {getattr(layout, quantity): 1.0 if axis == _PITCH else phase.side}, 0.0
@@ -104,10 +99,10 @@ def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, floa
         return {layout.ankle_velocity + axis: sign}, 0.0
     if part == "ankle":
         return {layout.ankle + axis: sign}, origin
-    reach = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[part] - float(pivot_of(biped, phase)[0])
+    reach = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[part] - float(pivot[0])
     along = (layout.foot_forward, layout.foot_yaw, layout.foot_pitch)[axis]
     turn = {along: reach * (-1.0 if axis == 2 else sign)} if reach else {}
-    return {layout.pivot + axis: sign} | turn, origin
+    return {layout.pivot + axis: sign} | turn, origin - float(pivot[1]) * (axis == 1)
 
 
 def _sine(name: str, form: Form, low: float, high: float, span: float, interior: bool = False) -> PhaseBound:
@@ -115,14 +110,14 @@ def _sine(name: str, form: Form, low: float, high: float, span: float, interior:
     return PhaseBound(Kind.REQUEST, name, "rad", form, {}, low, high, span, interior=interior, sine=True)
 
 
-def _contact_bounds(
-    layout: PointLayout, foot: Side, other: bool, weight: float, bounds: Bounds, reach: Reach, least: float
-) -> list[PhaseBound]:
+def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> list[PhaseBound]:
     """Friction, centre of pressure, yaw moment and normal force of the wrench on the support sole, or on the other.
 
-    ``reach``: how far the centre of pressure may go back, forward, and to a side, m; ``least`` normal force, a share of
-    the weight. Forces are relative to the weight.
+    Forces are relative to the weight. Lengthwise the margin is 0 while both feet bear, because a foot that turns about
+    its edge has its ZMP there.
     """
+    layout, weight = PointLayout(biped.joints), biped.weight
+    foot = phase.other_foot if other else phase.support
     first = layout.wrench if other else layout.force
     twist, load = layout.twist + other, layout.load + other
     found: list[PhaseBound] = []
@@ -136,42 +131,55 @@ def _contact_bounds(
         found.append(PhaseBound(kind, names[0], unit, *both, -np.inf, 0.0, span, twin=names[1]))
 
     fx, fy, fz, mx, my = range(5)
-    back, ahead, aside = reach
     yaw = bounds.yaw_friction
     for k in range(_FACETS):
         angle = 2.0 * np.pi * (k + 0.5) / _FACETS
         inner = bounds.friction * np.cos(np.pi / _FACETS)
         add(Kind.FRICTION, "friction", "weights", {fx: np.cos(angle), fy: np.sin(angle), fz: -inner}, 1.0)
-    if ahead + back > 0.0:
-        add(Kind.ZMP, "ZMP forward", "m", {my: -1.0, fz: -ahead}, ahead + back)
-        add(Kind.ZMP, "ZMP backward", "m", {my: 1.0, fz: -back}, ahead + back)
-    add(Kind.ZMP, "ZMP left", "m", {mx: 1.0, fz: -aside}, 2.0 * aside)
-    add(Kind.ZMP, "ZMP right", "m", {mx: -1.0, fz: -aside}, 2.0 * aside)
+    sole, ends = biped.sole(foot), 0.0 if phase.double else bounds.zmp_margin
+    edges = sole.edges * (1.0, phase.side, 1.0)
+    if other and phase.contact != "flat":
+        _, right, left = sole.ends[0 if phase.contact == "heel" else 1]
+        edges = np.array([(0.0, side, 0.5 * (left - right)) for side in (1.0, -1.0)])
+    for x, y, distance in edges.tolist():
+        along = abs(x) > abs(y)
+        name = (("backward", "forward") if along else ("right", "left"))[(x if along else y) > 0.0]
+        room = max(distance - (ends if along else bounds.zmp_margin), _LEAST * distance)
+        span = sole.heel + sole.toe if along else 2.0 * sole.half_width
+        add(Kind.ZMP, f"ZMP {name}", "m", {my: -x, mx: y, fz: -room}, span)
     # About the centre of pressure, times the normal force: a polynomial, without a division at lift-off.
     add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: 1.0, load: -yaw})
     add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: -1.0, load: -yaw})
     add(Kind.NORMAL_FORCE, "normal force", "weights", {fz: 1.0}, 1.0)
-    found[-1] = replace(found[-1], low=least, high=np.inf)
+    found[-1] = replace(found[-1], low=0.0 if phase.double else bounds.normal_force, high=np.inf)
     return found
 
 
-def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[PhaseBound]:
+def joint_bounds(biped: Biped, bounds: Bounds, side: float, joints: Sequence[int] | None = None) -> list[PhaseBound]:
+    """Torque, angle and velocity of joints, by default of all that move.
+
+    Args:
+        biped: the robot.
+        bounds: shares of torque and velocity that may be used.
+        side: -1 in the mirror image.
+        joints: which, in local order.
+    """
     layout, robot = PointLayout(biped.joints), biped.robot
     found = []
-    for local in range(biped.joints):
-        mirrored = phase.side < 0
-        joint = int(biped.partner[local]) if mirrored else local
-        sign = float(biped.sign[joint]) if mirrored else 1.0
-        names = robot.joint_names[joint], robot.joint_names[int(biped.partner[joint])]
+    for local in range(biped.joints) if joints is None else joints:
+        place = int(biped.partner[local]) if side < 0 else local
+        joint, twin = int(biped.index[place]), int(biped.index[biped.partner[place]])
+        sign = float(biped.sign[place]) if side < 0 else 1.0
+        names = robot.joint_names[joint], robot.joint_names[twin]
         torque = float(robot.torque_limit[joint]) * bounds.torque
         speed = float(robot.velocity_limit[joint]) * bounds.velocity
         angle = float(robot.position_low[joint]), float(robot.position_high[joint])
-        for kind, what, unit, place, (low, high) in (
+        for kind, what, unit, first, (low, high) in (
             (Kind.TORQUE, "torque", "N·m", layout.torque, (-torque, torque)),
             (Kind.ANGLE, "angle", "rad", layout.position, angle),
             (Kind.VELOCITY, "velocity", "rad/s", layout.velocity, (-speed, speed)),
         ):
-            form: Form = {place + local: sign}
+            form: Form = {first + local: sign}
             both = (form, {}) if kind is Kind.TORQUE else ({}, form)
             one, two = (f"{name} {what}" for name in names)
             found.append(PhaseBound(kind, one, unit, *both, low, high, high - low, twin=two))
@@ -179,7 +187,7 @@ def _joint_bounds(biped: Biped, bounds: Bounds, phase: Phase) -> list[PhaseBound
 
 
 def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[PhaseBound]:
-    layout, sole = PointLayout(biped.joints), biped.leg("left").sole
+    layout, sole = PointLayout(biped.joints), biped.sole(phase.other_foot)
     length = sole.heel + sole.toe
     if phase.contact == "flat":
         return []
@@ -187,8 +195,8 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
         low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
         return [_sine("foot pitch", {layout.foot_pitch: 1.0}, low, high, 1.0, interior=True)]
     found = []
-    for x, y in biped.corners("flat").tolist():
-        form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: y}
+    for x, y in biped.corners("flat", phase.other_foot).tolist():
+        form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: phase.side * y}
         clear = PhaseBound(Kind.REQUEST, "swing clearance", "m", form, {}, 0.0, np.inf, length, interior=True)
         found.append(replace(clear, rise=bounds.clearance, lifts=lifts, lands=lands))
     tilt = float(np.sin(bounds.foot_tilt))
@@ -196,7 +204,7 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
     found.append(_sine("swing foot pitch", {layout.foot_pitch: 1.0}, -pitch, pitch, 2 * pitch))
     found.append(_sine("swing foot roll", {layout.foot_roll: 1.0}, -tilt, tilt, 2 * tilt))
     found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, -tilt, tilt, 2 * tilt))
-    gap = 2.0 * sole.half_width + bounds.foot_gap
+    gap = sole.half_width + biped.sole(phase.support).half_width + bounds.foot_gap
     apart = {layout.pivot + 1: 1.0}
     found.append(PhaseBound(Kind.REQUEST, "foot separation", "m", apart, {}, gap, np.inf, biped.width))
     return found
@@ -208,8 +216,7 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
     Raises:
         BadInput: the margin is at least half of the sole's width or length.
     """
-    sole = biped.leg("left").sole
-    widest = min(sole.half_width, (sole.heel + sole.toe) / 2.0)
+    widest = min(min(leg.sole.half_width, (leg.sole.heel + leg.sole.toe) / 2.0) for leg in biped.robot.legs)
     if bounds.zmp_margin >= widest:
         raise BadInput("zmp_margin", bounds.zmp_margin, f"less than {widest:g} m, half of this robot's sole")
 
@@ -217,17 +224,10 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
 def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
     """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
     phase = motion.phases[index]
-    layout, sole = PointLayout(biped.joints), biped.leg("left").sole
-    margin = bounds.zmp_margin
-    ends = 0.0 if phase.double else margin
-    reach = (sole.heel - ends, sole.toe - ends, sole.half_width - margin)
-    found = _joint_bounds(biped, bounds, phase)
-    weight, least = biped.weight, 0.0 if phase.double else bounds.normal_force
-    found += _contact_bounds(layout, phase.support, False, weight, bounds, reach, least)
+    layout = PointLayout(biped.joints)
+    found = joint_bounds(biped, bounds, phase.side) + _contact_bounds(biped, bounds, phase, False)
     if phase.double:
-        turns = phase.contact != "flat"
-        reach = (0.0 if turns else sole.heel, 0.0 if turns else sole.toe, sole.half_width - margin)
-        found += _contact_bounds(layout, phase.other_foot, True, weight, bounds, reach, 0.0)
+        found += _contact_bounds(biped, bounds, phase, True)
     heights = (0.3 * biped.height, biped.height - bounds.squat, biped.height)
     found.append(PhaseBound(Kind.REQUEST, "squat", "m", {layout.hip_height: 1.0}, {}, *heights))
     for name in ("pitch", "roll", "yaw"):

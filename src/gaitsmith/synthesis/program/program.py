@@ -14,7 +14,7 @@ from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
-OBJECTIVE_SCALE = 1e-2
+_SCALE = 9.5  # of the objective in units of the robot's weight, leg and the time in which it falls over
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,8 @@ class Program:
 
     Attributes:
         functions: of a point.
-        points: where they are evaluated.
+        points: where they are evaluated, those of the first of the functions' sides first.
+        groups: how many of each side.
         pivots: (3, K).
         inputs: B, (K * inputs, size).
         outputs: C, (rows, K * outputs).
@@ -31,11 +32,13 @@ class Program:
         low, high: (rows,).
         labels: what each row says.
         wrench_weight: ρ.
+        scale: of the objective.
         price: (size,) of the unknowns, a linear part of the scaled objective.
     """
 
     functions: PointFunctions
     points: Points
+    groups: tuple[int, ...]
     pivots: Array
     inputs: sp.csr_matrix
     outputs: sp.csr_matrix
@@ -44,6 +47,7 @@ class Program:
     high: Array
     labels: list[Label]
     wrench_weight: float
+    scale: float
     price: Array
 
     @property
@@ -60,7 +64,9 @@ class Program:
         """Inputs (inputs, K) and outputs (outputs, K) of all points."""
         layout = self.functions.layout
         z = (self.inputs @ x).reshape(self.points.count, layout.inputs).T
-        return z, self.functions.evaluate(z, self.pivots)
+        first = self.groups[0]
+        parts = ((slice(first), 1.0), (slice(first, None), -1.0))
+        return z, np.hstack([self.functions.evaluate(z[:, k], self.pivots[:, k], side) for k, side in parts])
 
     def constraint(self, x: Array, o: Array) -> Array:
         """Values of the rows (rows,) from the outputs at ``x``."""
@@ -98,6 +104,9 @@ def make_program(
         points: collocation points and added ones.
         imposed: bounds to impose; all bounds at all points if None.
     """
+    side = np.array([functions.side(phase.side) for phase in trans.motion.phases])[points.phase]
+    order = np.argsort(side, kind="stable")
+    points = Points(*(values[order] for values in vars(points).values()))
     rows = Rows(trans.layout, trans.size)
     inputs = trans.input_map(points)
     closure_rows(rows, trans, points)
@@ -117,6 +126,7 @@ def make_program(
     return Program(
         functions=functions,
         points=points,
+        groups=tuple(int(np.sum(side == k)) for k in range(len(functions.sides))),
         pivots=trans.pivots[points.phase].T.copy(),
         inputs=inputs,
         outputs=c,
@@ -125,6 +135,7 @@ def make_program(
         high=np.array(rows.high),
         labels=rows.labels,
         wrench_weight=trans.settings.wrench_weight,
+        scale=_SCALE / (trans.biped.effort**2 * trans.biped.fall_time),
         price=np.zeros(trans.size),
     )
 

@@ -14,7 +14,7 @@ from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.layout import PointLayout
-from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds, pivot_of
+from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -76,7 +76,7 @@ class Transcription:
         self.bounds: list[list[PhaseBound]] = [
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
         ]
-        self.pivots = np.array([pivot_of(biped, phase) for phase in motion.phases])
+        self.pivots = np.array([biped.pivot(phase) * (1.0, phase.side, 1.0) for phase in motion.phases])
 
     def points(self) -> Points:
         """Gauss-Lobatto points of every section; a knot inside a phase is one point."""

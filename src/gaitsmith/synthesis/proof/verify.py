@@ -23,7 +23,7 @@ from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import At, Phase
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import PointLayout
-from gaitsmith.synthesis.program.bounds import phase_bounds, pivot_of, quantity_form
+from gaitsmith.synthesis.program.bounds import phase_bounds, quantity_form
 from gaitsmith.synthesis.solution.bound_check import BoundTable
 from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, disagreements, merge, ranked
 
@@ -110,7 +110,7 @@ class _Recorder:
         torque, wrench = self.gait.torques(self.index, times), self.gait.wrenches(self.index, times)
         o, z = np.zeros((layout.outputs, count)), np.zeros((layout.inputs, count))
         found = []
-        pivot, mirrored = pivot_of(biped, phase), phase.side < 0
+        pivot, mirrored = biped.pivot(phase), phase.side < 0
         base = np.array([*phase.foothold, 0.0])
         for k in range(count):
             state = self.finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
@@ -164,7 +164,7 @@ class _Recorder:
         """Errors of the contact points of the other foot: they must stay where they are."""
         phase = self.phase
         assert phase.other is not None
-        for x, y in self.biped.corners(phase.contact):
+        for x, y in self.biped.corners(phase.contact, self.other):
             place, speed, pull, *_ = self.finder.foot(self.other, np.array([x, y, 0.0]))
             goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
             errors = (1e3 * np.abs(place - goal).max(), np.abs(speed).max(), np.abs(pull).max())
@@ -227,10 +227,10 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
 def _feet(verdict: Verdict, biped: Biped, gait: Gait, index: int, o: Array, layout: PointLayout) -> None:
     """Penetration and clearance of one phase."""
     phase = gait.motion.phases[index]
-    pivot = pivot_of(biped, phase)[0]
+    pivot = biped.pivot(phase)
     heights = [
-        o[layout.pivot + 2] - o[layout.foot_pitch] * (x - pivot) + o[layout.foot_roll] * y
-        for x, y in biped.corners("flat")
+        o[layout.pivot + 2] - o[layout.foot_pitch] * (x - pivot[0]) + o[layout.foot_roll] * phase.side * (y - pivot[1])
+        for x, y in biped.corners("flat", phase.other_foot)
     ]
     lowest = np.min(heights, axis=0)
     verdict.penetration = _larger(verdict.penetration, -1e3 * lowest.min())
@@ -250,7 +250,8 @@ def torque_jump(gait: Gait, biped: Biped) -> float:
     ends = np.array([chebyshev(piece.torque, 1.0) for piece in pieces])
     jumps = np.abs(ends[:-1] - starts[1:])
     if gait.motion.cyclic:
-        jumps = np.vstack([jumps, np.abs(ends[-1] - biped.mirrored(starts[0]))])
+        again = biped.mirrored(starts[0]) if gait.motion.mirrored else starts[0]
+        jumps = np.vstack([jumps, np.abs(ends[-1] - again)])
     return float(jumps.max(initial=0.0))
 
 
@@ -261,7 +262,7 @@ def _seams(
     verdict.torque_jump = torque_jump(gait, biped)
     pairs = [(before[1], after[0]) for before, after in pairwise(edges)]
     if gait.motion.cyclic:
-        image = follow(gait, gait, True, biped.partner, biped.sign)
+        image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
         first = image.motion.phases[0]
         q, v, a = (values[:, 0] for values in image.joints(0, np.array([image.pieces[0][0].start])))
         pairs.append((edges[-1][1], finder.find(first.support, first.foothold, q, v, a)))

@@ -16,7 +16,7 @@ from gaitsmith.synthesis.gaits.gait import Gait, follow
 from gaitsmith.synthesis.motions.biped import REST, standing
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
 from gaitsmith.synthesis.motions.motion import Motion
-from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 
@@ -28,15 +28,15 @@ KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
 KICK_FRICTION = 0.45  # leaves the plant's friction of 0.5 and more some room
 _AGREE = 1e-6  # m
-_SHORTEST, _LONGER = 0.12, 0.2  # m, and m for every m/s: steps of the paper's two gaits
+_SHORTEST, _LONGER = 0.12, 0.2  # m, and m for every m/s: steps of the paper's two gaits, of a leg of LEG
 _REPORT = Callable[[str, int, Progress], None]
 
 
-def stride(speed: float | None, length: float | None, period: float | None) -> tuple[float, float]:
-    """Step length (m) and period (s) from any two of speed, step length and period.
+def stride(speed: float | None, length: float | None, period: float | None, leg: float = LEG) -> tuple[float, float]:
+    """Step length (m) and period (s) from any two of speed, step length and period, for hips ``leg`` m high.
 
     With one, the other follows the line through the paper's two gaits (0.15 m in 1.0 s, 0.20 m in 0.5 s), on which
-    the length is 0.12 m + 0.2 s times the speed; with none, its static gait.
+    the length is 0.12 m + 0.2 s times the speed; with none, its static gait. Other legs: in proportion.
 
     Raises:
         BadInput: a value out of range, given or derived, or three that do not agree.
@@ -46,7 +46,7 @@ def stride(speed: float | None, length: float | None, period: float | None) -> t
         low, high = RANGES[flag]
         if value is not None and not low <= value <= high:
             raise BadInput(flag, value, f"{low:g} to {high:g}")
-    length, period = _stride(speed, length, period)
+    length, period = _stride(speed, length, period, leg / LEG)
     flags = " and ".join(f"{flag} {value:g}" for flag, value in given.items() if value is not None)
     for flag, value in {"--speed": length / period, "--step-length": length, "--period": period}.items():
         low, high = RANGES[flag]
@@ -55,24 +55,26 @@ def stride(speed: float | None, length: float | None, period: float | None) -> t
     return length, period
 
 
-def _stride(speed: float | None, length: float | None, period: float | None) -> tuple[float, float]:
+def _stride(speed: float | None, length: float | None, period: float | None, size: float) -> tuple[float, float]:
     """Length and period from what is given, before they are looked at."""
+    shortest, longer = _SHORTEST * size, _LONGER * size**0.5
     if speed is not None and length is not None and period is not None and abs(length - speed * period) > _AGREE:
         valid = f"{speed * period:.6g} m, speed times period"
         raise BadInput("--step-length", length, valid, "give any two of --speed, --step-length, --period")
     if length is None and speed is not None:
-        length = speed * period if period is not None else _SHORTEST + _LONGER * speed
+        length = speed * period if period is not None else shortest + longer * speed
     elif length is None and period is not None:
-        if period <= _LONGER + 0.05:
-            raise BadInput("--period", period, "more than 0.25 s when given alone", "give --speed or --step-length too")
-        length = _SHORTEST / (1.0 - _LONGER / period)
+        if period <= 1.25 * longer:
+            valid = f"more than {1.25 * longer:.4g} s when given alone"
+            raise BadInput("--period", period, valid, "give --speed or --step-length too")
+        length = shortest / (1.0 - longer / period)
     if length is None:
-        return 0.15, 1.0
+        return 0.15 * size, size**0.5
     if period is None and speed is None:
-        if length <= _SHORTEST + 0.005:
-            valid = "more than 0.125 m when given alone"
+        if length <= shortest + 0.005 * size:
+            valid = f"more than {shortest + 0.005 * size:.4g} m when given alone"
             raise BadInput("--step-length", length, valid, "give --speed or --period too")
-        speed = (length - _SHORTEST) / _LONGER
+        speed = (length - shortest) / longer
     return length, length / speed if period is None and speed is not None else float(period or 0.0)
 
 
@@ -132,7 +134,7 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     Raises:
         BadInput: numbers that cannot be used.
     """
-    biped, settings = planner.biped, request.settings
+    biped, settings = planner.biped, request.settings.sized(planner.biped)
     results: dict[str, PlanResult] = {}
 
     def run(motion: Motion, chosen: Settings) -> PlanResult:
@@ -141,14 +143,14 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
         results[motion.name] = found
         return found
 
-    rest = standing(biped, biped.height - max(REST, settings.bounds.squat))
+    rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
     cycle = run(cyclic(biped, request.step), settings)
     if request.kind == "cyclic" or cycle.gait is None:
         return Answer(results, cycle.gait)
     q, v, a = cycle.gait.joints(0, np.array([0.0]))
-    state = (q[:, 0], v[:, 0], a[:, 0])
+    state = (q[biped.index, 0], v[biped.index, 0], a[biped.index, 0])
     begin = run(start(biped, request.step, rest, state), settings) if request.kind in ("start", "walk") else None
     if begin is not None and (begin.gait is None or request.kind == "start"):
         return Answer(results, begin.gait)
@@ -175,11 +177,13 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     assert begin.gait is not None
     assert cycle.gait is not None
     assert end.gait is not None
-    partner, sign = planner.biped.partner, planner.biped.sign
-    gaits = [begin.gait]
-    for step in range(request.cycles):
-        gaits.append(follow(gaits[-1], cycle.gait, step % 2 == 1, partner, sign))
-    gaits.append(follow(gaits[-1], end.gait, request.cycles % 2 == 1, partner, sign))
+    partner, sign = planner.biped.whole.partner, planner.biped.whole.sign
+    gaits, mirrored = [begin.gait], cycle.gait.motion.mirrored
+    if request.cycles % cycle.gait.motion.steps:
+        raise BadInput("--cycles", request.cycles, "an even number of steps: this robot's left and right ones differ")
+    for step in range(request.cycles // cycle.gait.motion.steps):
+        gaits.append(follow(gaits[-1], cycle.gait, mirrored and step % 2 == 1, partner, sign))
+    gaits.append(follow(gaits[-1], end.gait, mirrored and request.cycles % 2 == 1, partner, sign))
     phases = tuple(phase for gait in gaits for phase in gait.motion.phases)
     pieces = tuple(group for gait in gaits for group in gait.pieces)
     parameters = cycle.gait.motion.parameters | {"cycles": float(request.cycles)}

@@ -44,7 +44,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     worst = [item.as_dict() for item in main.worst]
     if gait is not None:
         worst = list(gait.certificate.get("worst", worst))
-    jump = None if gait is None else torque_jump(gait, biped)
+    jump = None if gait is None else torque_jump(gait, biped.whole)
     warnings: list[str] = []
     if jump is not None and jump > TORQUE_JUMP:
         assert gait is not None
@@ -71,6 +71,9 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
             name: {"status": item.status, "iterations": item.iterations, "objective": item.objective, **item.times}
             for name, item in found.results.items()
         },
+        "symmetric": biped.symmetric,
+        "asymmetry": biped.asymmetry,
+        "held": [biped.robot.joint_names[joint] for joint in biped.held],
         "file": file,
     }
 

@@ -97,7 +97,7 @@ def sweep(robot: str, jobs: int = 1, report: Callable[[int, int], None] | None =
 
     if not 1 <= jobs <= 256:
         raise BadInput("--jobs", jobs, "1 to 256")
-    Planner(load_robot(robot))  # compiles once, before the processes would all do it
+    _ = Planner(load_robot(robot)).functions  # compiles once, before the processes would all do it
     cells: list[Cell] = []
     tasks = (delayed(sweep_row)(robot, speed, PERIODS) for speed in SPEEDS)
     for row in Parallel(n_jobs=jobs, return_as="generator")(tasks):

@@ -16,7 +16,7 @@ from gaitsmith.synthesis.program.transcription import Points, Transcription
 from gaitsmith.synthesis.solution.curves_from_solution import LocalPiece, local_inputs, phase_pieces
 
 Array = npt.NDArray[np.float64]
-_TIGHTEST = 0.05
+_TIGHTEST = 0.3  # of a span: the stored curves close the chain better than the program does
 _SPARE = 4e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
 _CLOSE = 0.02  # of a bound's range: what a neighbour may well meet
 _ENDS = 0.03  # share of a phase that counts as its end
@@ -76,7 +76,7 @@ def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, coun
         pieces = phase_pieces(trans, functions, x, phase)
         times = np.linspace(borders[phase], borders[phase + 1], count)
         z = local_inputs(trans, x, phase, pieces, times)
-        o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)))
+        o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)), trans.motion.phases[phase].side)
         table = BoundTable(trans.layout, trans.bounds[phase])
         values = table.values(o, z, trans.share(phase, times))
         found.append(BoundCheck(times, table.violations(values), values, pieces))

@@ -35,12 +35,12 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     goal = np.array(
         [
             item.other[0] - item.foothold[0] + trans.pivots[phase][0],
-            item.side * (item.other[1] - item.foothold[1]),
+            item.side * (item.other[1] - item.foothold[1]) + trans.pivots[phase][1],
             0.0,
         ]
     )
-    leg = trans.biped.leg("left").joint_indices
-    o = functions.evaluate(z, pivots)
+    leg = trans.biped.leg_joints("left")
+    o = functions.evaluate(z, pivots, item.side)
     flat = item.contact == "flat"
     pitch = np.zeros(z.shape[1]) if flat else o[layout.foot_pitch]
     rate = np.zeros(z.shape[1]) if flat else o[layout.foot_omega + 1]
@@ -54,7 +54,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     wanted_speed = np.vstack([zero, rate, zero[0]])
     wanted_pull = np.vstack([zero, bend, zero[0]])
     for _ in range(_NEWTON):
-        o, J = functions.differentiate(z, pivots)
+        o, J = functions.differentiate(z, pivots, item.side)
         gap = target - o[places]
         step = np.linalg.solve(J[:, places][:, :, leg], gap.T[:, :, None])[:, :, 0]
         z[leg] += step.T
@@ -65,7 +65,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     z[:, lost] = given[:, lost]
     usable = ~lost
     for wanted, rows, first in ((wanted_speed, speeds, n), (wanted_pull, pulls, 2 * n)):
-        o, J = functions.differentiate(z, pivots)
+        o, J = functions.differentiate(z, pivots, item.side)
         columns = [first + int(k) for k in leg]
         if not usable.any():
             break
@@ -150,12 +150,13 @@ def finished_pieces(
     times = np.concatenate([start + span * nodes for start, span, _ in pieces])
     halves = zip(pieces, np.split(times, len(pieces)), strict=True)
     z = np.hstack([local_inputs(trans, x, phase, [piece], part) for piece, part in halves])
-    o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])))
+    o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), item.side)
     torque, support = o[layout.torque : layout.torque + n], o[layout.force : layout.force + 6]
     u = z[layout.wrench :].copy()
-    pivot = trans.pivots[phase][0]
+    x, y, _ = trans.pivots[phase]
     # From the pivot to the sole frame's origin: r = pivot minus origin, in local axes.
-    r = pivot * np.vstack([o[layout.foot_forward], o[layout.foot_yaw], -o[layout.foot_pitch]])
+    along = np.vstack([o[layout.foot_forward], o[layout.foot_yaw], -o[layout.foot_pitch]])
+    r = x * along + y * np.vstack([-o[layout.foot_yaw], np.ones(z.shape[1]), o[layout.foot_roll]])
     u[3:] += np.cross(r.T, u[:3].T).T
     joints = [coefficients for _, _, coefficients in pieces]
     if item.side < 0:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.program.assembly import Assembly
-from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, Program
+from gaitsmith.synthesis.program.program import Program
 
 Array = npt.NDArray[np.float64]
 
@@ -103,7 +103,7 @@ class _Watch(ca.Callback):
         try:
             if self.report is not None:
                 g = np.array(arg[ca.nlpsol_out().index("g")]).ravel()
-                f = float(arg[ca.nlpsol_out().index("f")]) / OBJECTIVE_SCALE
+                f = float(arg[ca.nlpsol_out().index("f")]) / self.program.scale
                 self.report(progress_of(self.program, self.iteration, f, g))
         except BaseException as error:
             self.interrupted = error

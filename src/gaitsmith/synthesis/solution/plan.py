@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, merge
 from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces
 from gaitsmith.synthesis.solution.diagnose import explain, lacking, out_of_reach
 from gaitsmith.synthesis.solution.elastic import solve_elastic
+from gaitsmith.synthesis.solution.held import held_margins, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
@@ -110,10 +111,15 @@ class Planner:
         BadInput: the robot has legs or soles that cannot be planned for.
     """
 
-    def __init__(self, robot: Robot, notify: Callable[[str], None] | None = None) -> None:
-        self.biped: Biped = biped_from(robot)
-        self.functions: PointFunctions = point_functions(self.biped, notify)
-        self._compile_s = self.functions.compile_s  # reported once, by the first plan
+    def __init__(self, robot: Robot, notify: Callable[[str], None] | None = None, free: Sequence[str] = ()) -> None:
+        self.biped: Biped = biped_from(robot, free)
+        self.notify = notify
+        self._compile_s: float | None = None  # reported once, by the first plan
+
+    @cached_property
+    def functions(self) -> PointFunctions:
+        """Of a point, compiled when they are first needed."""
+        return point_functions(self.biped, self.notify)
 
     def plan(
         self,
@@ -135,12 +141,13 @@ class Planner:
         Raises:
             BadInput: the ZMP margin leaves nothing of the sole.
         """
-        settings = settings or Settings()
+        settings = (settings or Settings()).sized(self.biped)
         check_margin(self.biped, settings.bounds)
+        compiled = self.functions.compile_s if self._compile_s is None else 0.0
         begin = time.perf_counter()
         deadline = begin + settings.time_limit
         trans = Transcription(self.biped, motion, settings)
-        times = {"setup": 0.0, "compile": self._compile_s, "solve": 0.0, "check": 0.0}
+        times = {"setup": 0.0, "compile": compiled, "solve": 0.0, "check": 0.0}
         result = PlanResult("not solved", out_of_reach(trans), trans.size, times, borders=motion.borders)
         if result.reason:
             times |= {"setup": time.perf_counter() - begin, "compile": 0.0}
@@ -195,10 +202,18 @@ class Planner:
             result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)
-        result = replace(result, worst=certificate(trans, checks), imposed=with_close(trans, checks, near))
-        result = replace(result, status="solved", solution=found, gait=self._gait(trans, checks, result))
+        imposed = with_close(trans, checks, near)
+        gait = self._gait(trans, checks, result)
+        held = held_margins(self.biped, settings.bounds, gait, settings.dense)
+        worst = ranked(held | {item.constraint: item for item in certificate(trans, checks)})
+        gait.certificate["worst"] = [item.as_dict() for item in worst]
         times["check"] += time.perf_counter() - clock
-        return result
+        result = replace(result, worst=worst, imposed=imposed, solution=found)
+        if held and max(item.violation for item in held.values()) > ALLOWED:
+            first = ranked(held)[0]
+            text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}, held"
+            return replace(result, status="not certified", reason=f"{text}; free it, or change its home angle")
+        return replace(result, status="solved", gait=gait)
 
     def _examined(
         self,
@@ -256,10 +271,12 @@ class Planner:
         pieces = [
             finished_pieces(trans, self.functions, result.x, phase, item.pieces) for phase, item in enumerate(checks)
         ]
+        pieces = [with_held(trans.biped, *pair) for pair in zip(trans.motion.phases, pieces, strict=True)]
         solver: dict[str, Any] = {
             "name": "IPOPT, SQP",
             "status": "" if result.solution is None else result.solution.status,
         }
+        solver |= {"asymmetry": trans.biped.asymmetry, "held": [robot.joint_names[k] for k in trans.biped.held]}
         solver |= {name: getattr(result, name) for name in ("iterations", "rounds", "fallbacks", "objective")}
         return Gait(
             robot=robot.card.name,
@@ -270,7 +287,7 @@ class Planner:
             bounds=settings.bounds.model_dump(),
             order=settings.order,
             solver=solver,
-            certificate={"dense_points": settings.dense, "worst": [item.as_dict() for item in result.worst]},
+            certificate={"dense_points": settings.dense},
         )
 
 

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
-from gaitsmith.synthesis.program.program import OBJECTIVE_SCALE, Program
+from gaitsmith.synthesis.program.program import Program
 from gaitsmith.synthesis.solution.active_set import ActiveStep, active_set_step
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, progress_of
 
@@ -58,9 +58,9 @@ def solve_sqp(
         jacobian = first_order.matrix(2).tocsr()
         violation = float(program.violation(rows).max(initial=0.0))
         z, o = program.evaluate(x)
-        objective = program.objective(z, o) * OBJECTIVE_SCALE
+        objective = program.objective(z, o) * program.scale
         if report is not None:
-            report(progress_of(program, iteration, objective / OBJECTIVE_SCALE, rows))
+            report(progress_of(program, iteration, objective / program.scale, rows))
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:

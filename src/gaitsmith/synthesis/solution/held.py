@@ -1,0 +1,63 @@
+"""Joints that are held: their angles and torques in a finished gait, and whether their limits hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.splines.polynomial import chebyshev, chebyshev_fit, polynomial
+from gaitsmith.synthesis.gaits.full_state import StateFinder
+from gaitsmith.synthesis.gaits.gait import Gait, Piece
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.settings import Bounds
+from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.program.bounds import joint_bounds
+from gaitsmith.synthesis.solution.bound_check import BoundTable
+from gaitsmith.synthesis.solution.certificate import BoundMargin, merge
+
+Array = npt.NDArray[np.float64]
+_SAMPLES = 20  # Chebyshev nodes a piece
+
+
+def with_held(biped: Biped, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
+    """A phase's pieces with rows for all joints: what the held ones bear follows from the motion of the others."""
+    if not len(biped.held):
+        return pieces
+    finder, (nodes, to_series) = StateFinder(biped.robot), chebyshev_fit(_SAMPLES)
+    found = []
+    for piece in pieces:
+        joints = np.zeros((len(biped.home), piece.joints.shape[1]))
+        joints[:, 0] = biped.home
+        joints[biped.index] = piece.joints
+        q, v, a = polynomial(joints, nodes, piece.duration)
+        wrench, none = chebyshev(piece.wrench, nodes), np.zeros(len(biped.home))
+        loads = []
+        for k in range(_SAMPLES):
+            finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
+            loads.append(finder.residual(none, wrench[:, k])[6 + biped.held])
+        series = np.array(loads).T @ to_series
+        torque = np.zeros((len(biped.home), max(series.shape[1], piece.torque.shape[1])))
+        torque[biped.held, : series.shape[1]] = series
+        torque[biped.index, : piece.torque.shape[1]] = piece.torque
+        found.append(replace(piece, joints=joints, torque=torque))
+    return tuple(found)
+
+
+def held_margins(biped: Biped, bounds: Bounds, gait: Gait, count: int) -> dict[str, BoundMargin]:
+    """Worst values of the limits of the joints that are held, at ``count`` instants a phase."""
+    layout, found = PointLayout(len(biped.home)), dict[str, BoundMargin]()
+    if not len(biped.held):
+        return found
+    table = BoundTable(layout, joint_bounds(biped.whole, bounds, 1.0, biped.held.tolist()))
+    borders = gait.motion.borders
+    for index, phase in enumerate(gait.motion.phases):
+        times = np.linspace(borders[index], borders[index + 1], count)
+        o, z = np.zeros((layout.outputs, count)), np.zeros((layout.inputs, count))
+        q, v, _ = gait.joints(index, times)
+        o[: layout.joints], z[: layout.joints] = gait.torques(index, times), q
+        z[layout.velocity : layout.velocity + layout.joints] = v
+        merge(found, phase, table.bounds, times, table.values(o, z, np.linspace(0.0, 1.0, count)))
+    return found
