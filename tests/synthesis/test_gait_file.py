@@ -148,14 +148,6 @@ def test_a_key_given_twice_is_refused(path, tmp_path):
         read_gait(bad)
 
 
-def test_a_cycle_that_does_not_end_as_it_began_is_refused(dynamic, tmp_path):
-    motion = dynamic.gait.motion
-    short = replace(dynamic.gait, motion=replace(motion, phases=motion.phases[:2]), pieces=dynamic.gait.pieces[:2])
-    write_gait(tmp_path / "short.json", short)
-    with pytest.raises(BadInput, match="cyclic"):
-        read_gait(tmp_path / "short.json")
-
-
 def test_joints_in_another_order_are_named(dynamic, robot):
     names = dynamic.gait.joint_names
     with pytest.raises(BadInput, match=rf"joints\[0\].*{names[1]}.*{names[0]}"):

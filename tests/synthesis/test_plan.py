@@ -139,7 +139,7 @@ def test_rows_have_the_derivatives_that_the_solver_is_given(planner):
         values.append((program.objective(z, o), program.constraint(x + sign * h * direction, o)))
     slope = (values[0][1] - values[1][1]) / (2 * h)
     assert np.abs(slope - jacobian @ direction).max() < 1e-4 * max(1.0, np.abs(slope).max())
-    change = 1e-2 * (values[0][0] - values[1][0]) / (2 * h)
+    change = program.scale * (values[0][0] - values[1][0]) / (2 * h)
     assert abs(change - gradient @ direction) < 1e-4 * abs(change)
 
 

@@ -23,7 +23,7 @@ def plan_lines(document: dict[str, Any], robot: Robot) -> Iterator[Text]:
     times = ", ".join(f"{name} {document['time_s'][name]:.2f} s" for name in ("setup", "compile", "solve", "check"))
     yield f"objective {figure(document['objective'], '.4g')}, {counts}; {times}"
     if not document["symmetric"]:
-        yield f"left and right differ by {100.0 * document['asymmetry']:.2g} %: a stride of two steps, without the mirror"
+        yield f"left and right differ by {document['asymmetry']:.2%}: a stride of two steps, without the mirror"
     if document["held"]:
         yield f"held at home: {', '.join(document['held'])}"
     if document["max_torque"] is not None:
