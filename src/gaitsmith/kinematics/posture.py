@@ -19,6 +19,7 @@ _BALANCED = 1e-9  # m, centre of mass ahead of the soles
 _ROUNDS = 50
 _HEIGHTS = 40  # tried, evenly, to say which ones are in reach
 _BISECTIONS = 10
+_AHEAD = (0.0, 0.1, 0.2, -0.1)  # of the height, tried besides: an ankle may reach a crouch only near its balance
 _WIDTHS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # tried, of half the hips' distance
 
 
@@ -89,24 +90,29 @@ def standing_posture(robot: Robot, height: float, width: float, com_ahead: float
     tree = read_tree(robot.model)
     state = make_tree_state(tree)
     still = np.zeros(len(tree.dof_body))
-    ahead, q = 0.0, None
-    try:
-        for _ in range(_ROUNDS):
-            q = _place_soles(robot, chains, ahead, height, width, q)
-            update_dynamics(tree, state, q, still)
-            error = float(state.com[0]) - com_ahead - float(robot.hip_midpoint[0]) - ahead
-            if abs(error) < _BALANCED:
-                return q
-            ahead += error
-    except BadInput:
-        heights = _reachable_heights(robot, chains, ahead, width)
-        if heights:
-            raise BadInput("height", height, f"{heights} at a width of {width:g} m") from None
-        hip = float(np.mean([abs(leg.hip_anchor[1]) for leg in robot.legs]))
-        widths = [share * hip for share in _WIDTHS if _reachable_heights(robot, chains, ahead, share * hip)]
-        if widths:
-            valid = f"about {widths[0]:.3g} to {widths[-1]:.3g} m, in reach at some height"
-            raise BadInput("width", width, valid) from None
-        valid = "joint limits that let both soles lie flat below an upright torso"
-        raise BadInput("limits", "no flat foot at any height and width", valid, "check the sole frames too") from None
-    raise BadInput("height", height, "a height at which the legs can balance the torso", "try a lower one")
+    upright = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, *robot.home])
+    update_dynamics(tree, state, upright, still)
+    straight, missed = float(state.com[0] - robot.hip_midpoint[0]), None
+    for ahead in (0.0, *(straight + share * height for share in _AHEAD)):
+        q = None
+        try:
+            for _ in range(_ROUNDS):
+                q = _place_soles(robot, chains, ahead, height, width, q)
+                update_dynamics(tree, state, q, still)
+                error = float(state.com[0]) - com_ahead - float(robot.hip_midpoint[0]) - ahead
+                if abs(error) < _BALANCED:
+                    return q
+                ahead += error
+        except BadInput:
+            missed = ahead if missed is None else missed
+    if missed is None:
+        raise BadInput("height", height, "a height at which the legs can balance the torso", "try a lower one")
+    heights = _reachable_heights(robot, chains, missed, width)
+    if heights:
+        raise BadInput("height", height, f"{heights} at a width of {width:g} m")
+    hip = float(np.mean([abs(leg.hip_anchor[1]) for leg in robot.legs]))
+    widths = [share * hip for share in _WIDTHS if _reachable_heights(robot, chains, missed, share * hip)]
+    if widths:
+        raise BadInput("width", width, f"about {widths[0]:.3g} to {widths[-1]:.3g} m, in reach at some height")
+    valid = "joint limits that let both soles lie flat below an upright torso"
+    raise BadInput("limits", "no flat foot at any height and width", valid, "check the sole frames too")

@@ -18,6 +18,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.card import CardText, Described, JointLimits, RobotCard
 from gaitsmith.robots.model_file import ModelFile, listed
 from gaitsmith.robots.parameters import GaitLimits, GaitParameters, gait_numbers
+from gaitsmith.robots.reach import heights
 from gaitsmith.robots.robot import Leg
 
 STRAIGHT = 0.95  # height of the hips, of the straight leg
@@ -59,8 +60,10 @@ class Size:
     turns: bool
 
 
-def measured(model: mujoco.MjModel, data: mujoco.MjData, card: Described, legs: Sequence[Leg]) -> Size:
-    """Size of a robot; ``data`` holds the pose with zero joint angles."""
+def measured(model: mujoco.MjModel, card: Described, legs: Sequence[Leg]) -> Size:
+    """Size of a robot, its joint angles zero."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     torso = model.body(card.torso).id
     rotation = data.xmat[torso].reshape(3, 3)
@@ -88,28 +91,31 @@ def measured(model: mujoco.MjModel, data: mujoco.MjData, card: Described, legs: 
 
 
 def completed(
-    card: CardText, found: ModelFile, size: Size, names: Sequence[str], label: str, notes: list[str]
+    card: CardText, found: ModelFile, model: mujoco.MjModel, legs: Sequence[Leg], label: str, notes: list[str]
 ) -> RobotCard:
     """The card with every entry filled in.
 
     Args:
         card: as written.
         found: its model.
-        size: of the robot.
-        names: the joints in the model's order.
+        model: the same, compiled with what the card adds.
+        legs: left, right.
         label: what errors begin with.
         notes: receives what was assumed.
 
     Raises:
         BadInput: a limit wider than the model's without ``trust``, an unknown joint, heights out of reach.
     """
+    names = tuple(model.joint(joint).name for joint in range(1, model.njnt))
+    size = measured(model, card, legs)
     if not size.leg > 0.0:
         raise BadInput(f"{label}: legs", f"{size.leg:.4g} m from hip to sole", "soles below the hips")
     for name in card.limits:
         if name not in found.home:
             raise BadInput(f"{label}: limits.{name}", name, f"a joint of the model: {listed(names)}")
     limits = _limits(card, found, size, names, label, notes)
-    gait, ranges = _gait(card, size, label, notes)
+    reached = heights(model, legs, limits, size.leg, _width(size)) or (0.0, size.leg)
+    gait, ranges = _gait(card, size, reached, label, notes)
     given = {name: getattr(card, name) for name in Described.model_fields}
     try:
         return RobotCard(**given, mass=size.mass, limits=limits, gait=gait, gait_limits=ranges)
@@ -163,11 +169,17 @@ def _within(field: str, wanted: Any, model: Any) -> None:
         raise BadInput(field, wanted, f"at most the model's {model:.6g}", remedy)
 
 
-def _gait(card: CardText, size: Size, label: str, notes: list[str]) -> tuple[GaitParameters, GaitLimits]:
+def _width(size: Size) -> float:
+    return max(size.hip, size.half_width + GAP * size.height)
+
+
+def _gait(
+    card: CardText, size: Size, reached: tuple[float, float], label: str, notes: list[str]
+) -> tuple[GaitParameters, GaitLimits]:
     """Default gait and its limits: the card's where it gives some, else scaled with the robot."""
     z = size.height
     rate, speed = math.sqrt(size.gravity / z), math.sqrt(size.gravity * z)
-    width = max(size.hip, size.half_width + GAP * z)
+    width = _width(size)
     turn = TURN * rate if size.turns else 0.0
     usual: dict[str, Any] = {
         "speed": (0.0, 0.0),
@@ -181,7 +193,7 @@ def _gait(card: CardText, size: Size, label: str, notes: list[str]) -> tuple[Gai
         "speed_y": tuple(share * speed for share in SPEEDS[1]),
         "period": (PERIODS[0] / rate, PERIODS[2] / rate),
         "alpha": (0.2, 0.8),
-        "height": tuple(share * size.leg for share in HEIGHTS),
+        "height": (max(HEIGHTS[0] * size.leg, reached[0]), min(HEIGHTS[1] * size.leg, reached[1])),
         "lift": (LIFTS[0] * z, LIFTS[2] * z),
         "width": (WIDTHS[0] * width, WIDTHS[1] * width),
         "yaw_rate": (0.0 - turn, turn),

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gaitsmith.documents import check_name
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.assembly import assemble, set_limits, sole_frame
-from gaitsmith.robots.assumptions import completed, measured
+from gaitsmith.robots.assumptions import completed
 from gaitsmith.robots.card import CardText, Described, LegCard
 from gaitsmith.robots.card_file import CARD_NAME, read_card
 from gaitsmith.robots.model_file import URDF_TOLERANCE, ModelFile, strip
@@ -82,7 +82,7 @@ def build_robot(card: CardText, content: bytes, folder: CardFolder) -> Robot:
         notes.append("a sole is walked on as a line along x: the ankle does not roll")
     if not left.hip_anchor[1] > right.hip_anchor[1]:
         raise BadInput(f"{label}: legs", "left hip right of the right hip", "the left hip at the larger y")
-    complete = completed(card, found, measured(model, data, card, (left, right)), names, label, notes)
+    complete = completed(card, found, model, (left, right), label, notes)
     set_limits(spec, model, complete)
     limits = [complete.limits[name] for name in names]
     imu_position, imu_rotation = _imu(model, card)
