@@ -23,7 +23,7 @@ from gaitsmith.robots.robot import Leg
 
 STRAIGHT = 0.95  # height of the hips, of the straight leg
 LEAST_COM = 0.3  # least height of the centre of mass, of the hips'
-PERIODS = (1.0, 1.8, 2.4)  # shortest, usual and longest step, in 1/ω
+PERIODS = (1.0, 1.5, 2.4)  # shortest, usual and longest step, in 1/ω
 LIFTS = (0.03, 0.09, 0.25)  # in z
 HEIGHTS = (0.65, 0.98)  # of the straight leg
 WIDTHS = (0.7, 1.8)  # of the usual width
