@@ -15,6 +15,7 @@ from gaitsmith.control.gains import make_gains
 from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.dynamics.tree import read_tree
 from gaitsmith.kinematics.posture import standing_posture
+from gaitsmith.robots import Robot
 from gaitsmith.whole_body.contact import ContactBounds
 from gaitsmith.whole_body.frames import make_body, observe_frames
 from gaitsmith.whole_body.legs import make_legs
@@ -34,11 +35,12 @@ class Body:
 
     Args:
         name: of the robot.
+        machine: instead of it, a variant of it.
         **tasks: tasks or weights of the table that differ from the default preset's.
     """
 
-    def __init__(self, name: str, **tasks: Any) -> None:
-        self.robot, self.parameters = robot(name), parameters(name)
+    def __init__(self, name: str, machine: Robot | None = None, **tasks: Any) -> None:
+        self.robot, self.parameters = machine or robot(name), parameters(name)
         self.name, self.nj, self.n = name, len(self.robot.joint_names), len(self.robot.legs)
         gains = make_gains(self.parameters, DT)
         self.tasks: TaskTable = gains["tasks"]._replace(**tasks)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -28,6 +29,7 @@ from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait, gait_numbers
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
+from gaitsmith.template.posture import commanded, make_posture
 from gaitsmith.template.state import Template, make_balance
 from gaitsmith.template.step import make_gait_inputs, make_step_state
 from gaitsmith.template.touchdown import make_touchdown_rule
@@ -38,6 +40,7 @@ from gaitsmith.whole_body.reference import make_reference
 
 CONTROL_PERIOD = 1e-3
 TRACKINGS = ("whole-body", "replay")
+_POSTURE = 3.0  # ω, of the approach to a commanded posture
 _YAW = 2  # of a sole's three turning axes
 
 
@@ -133,6 +136,25 @@ class Controller:
         control.letters[0] += 1
         control.mailbox[...] = make_gait_inputs(self.gait).values
         control.letters[0] += 1
+
+    def posture(self, angles: Mapping[str, float], rates: Mapping[str, float] | None = None) -> None:
+        """Command joints outside the legs, while the legs stand or walk; each moves there smoothly and stays.
+
+        All that one call changes is taken over at once; joints that it does not name keep what they were told.
+
+        Args:
+            angles: by joint, rad.
+            rates: greatest speeds on the way, by joint, rad/s; a joint's velocity limit where not given.
+
+        Raises:
+            BadInput: no joint outside the legs, an angle or rate outside the joint's limits, or a plan is followed.
+        """
+        self._refuse_while_following("posture", dict(angles))
+        mailbox, letters = self._g.template.posture.mailbox, self._g.control.letters
+        goal = commanded(mailbox, self.robot, angles, rates or {})
+        letters[0] += 1
+        mailbox[...] = goal
+        letters[0] += 1
 
     def load(self, plan: Plan, tracking: str = "whole-body", parameters: FollowParameters | None = None) -> None:
         """Make ready to :meth:`follow` a plan.
@@ -234,7 +256,15 @@ def _memory(g: Tick) -> list[Any]:
     """Groups of arrays that a reset puts back to what they were at first."""
     template, problem = g.template, g.whole_body
     return [
-        *(template.step, template.chains, template.inverse_program, g.control, g.estimation.state, g.reference),
+        *(
+            template.step,
+            template.posture,
+            template.chains,
+            template.inverse_program,
+            g.control,
+            g.estimation.state,
+            g.reference,
+        ),
         *((g.body.q, g.body.v), problem.contacts, problem.solution, problem.program),
     ]
 
@@ -269,6 +299,7 @@ def _make_view(
         requested=inputs,
         latched=make_gait_inputs(gait),
         step=make_step_state(n_soles, n_leg),
+        posture=make_posture(body.legs.home, robot.velocity_limit, _POSTURE * scale.rate),
         foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height),
         speed=make_speed_gains(parameters.speed),
         forecast=Forecast(np.zeros(3), *(np.zeros(2) for _ in range(4))),

@@ -13,6 +13,7 @@ from gaitsmith.planned.clock import FORCED, ON_TIME
 from gaitsmith.planned.follow import follow
 from gaitsmith.planned.replay import replay_torque
 from gaitsmith.template.phase import advance_phase, turn_heading
+from gaitsmith.template.posture import hold_posture
 from gaitsmith.template.standing import refer_standing
 from gaitsmith.template.step import STAND, WALK
 from gaitsmith.template.walking import plan_step, refer_walking, restart_leg, set_torso, track_leg
@@ -25,13 +26,16 @@ _LIFTED = 0.25  # of a step's period without load after which a robot that stood
 
 @kernel
 def _open_mailbox(g: Tick) -> None:
-    """Take over the gait inputs that were commanded, all at once or not yet."""
-    control, requested = g.control, g.template.requested.values
+    """Take over the gait inputs and the posture that were commanded, all at once or not yet."""
+    control, requested, posture = g.control, g.template.requested.values, g.template.posture
     letters = control.letters[0]
     if letters % 2 == 1 or letters == control.read[0]:
         return
     for k in range(requested.shape[0]):
         requested[k] = control.mailbox[k]
+    for i in range(2):
+        for j in range(posture.goal.shape[1]):
+            posture.goal[i, j] = posture.mailbox[i, j]
     if control.letters[0] == letters:
         control.read[0] = letters
 
@@ -94,6 +98,7 @@ def _refer(g: Tick) -> None:
     switched = advance_phase(template, dt)
     turn_heading(template, dt)
     set_torso(template)
+    hold_posture(template.posture, legs, template.reference, dt)
     if step.mode[0] != WALK:
         for leg in range(legs.side.shape[0]):
             restart_leg(template, leg)

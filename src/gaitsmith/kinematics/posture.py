@@ -29,7 +29,7 @@ def _place_soles(
     """Configuration with the soles ``ahead`` of the hip midpoint; raises BadInput out of reach."""
     q = np.zeros(7 + len(robot.joint_names))
     q[2], q[3] = height - robot.hip_midpoint[2], 1.0
-    q[7:] = np.clip(0.0, robot.position_low, robot.position_high)
+    q[7:] = robot.home
     for leg, chain in zip(robot.legs, chains, strict=True):
         sole = robot.hip_midpoint + np.array([ahead, 0.0, -height])
         sole[1] += leg.side * width
@@ -69,7 +69,7 @@ def standing_posture(robot: Robot, height: float, width: float, com_ahead: float
 
     The torso is upright above the world's origin; the soles' origins are at z = 0, ±``width`` to the sides, and
     ``com_ahead`` behind the centre of mass; the soles are level about the axes that the legs control. Joints outside
-    the legs are at zero, or at the limit next to it.
+    the legs are at home.
 
     Args:
         robot: the robot.

@@ -111,8 +111,8 @@ def track_leg(g: Template, leg: int, dt: float) -> None:
 
 @kernel
 def set_torso(g: Template) -> None:
-    """Torso upright, its heading held or turned where legs can turn; joints outside the legs hold their posture."""
-    reference, legs, yaw = g.reference, g.body.legs, g.body.frames.yaw[0]
+    """Torso upright, its heading held or turned where legs can turn."""
+    reference, yaw = g.reference, g.body.frames.yaw[0]
     if g.turns[0] == 1:
         yaw += min(max(within_turn(g.step.heading[0] - yaw), -0.5), 0.5)
     level_rotation(math.cos(yaw), math.sin(yaw), 1.0, 0.0, reference.torso_rotation)
@@ -121,12 +121,6 @@ def set_torso(g: Template) -> None:
     for axis in range(3):
         reference.torso_spin[axis] = 0.0
         reference.torso_angular_acceleration[axis] = 0.0
-    for j in range(legs.leg_of_joint.shape[0]):
-        outside = legs.leg_of_joint[j] < 0
-        reference.joint_weight[j] = 1.0 if outside else 0.0
-        reference.joint[2, j] = 0.0
-        if outside:
-            reference.joint[0, j], reference.joint[1, j] = legs.home[j], 0.0
 
 
 @kernel
@@ -165,8 +159,9 @@ def refer_walking(g: Template) -> None:
     stance_cop(g.cop, pendulum_frequency(g.foothold, arm[2]), arm, frames.com_velocity, divergent, cop)
     c, s = math.cos(frames.sole_yaw[stance]), math.sin(frames.sole_yaw[stance])
     x, y = c * cop[0] + s * cop[1], c * cop[1] - s * cop[0]
-    ahead, behind = max(legs.toe[stance] - g.cop.margin, 0.0), max(legs.heel[stance] - g.cop.margin, 0.0)
-    aside = max(legs.half_width[stance] - g.cop.margin, 0.0)
-    reference.cop[stance, 0] = min(max(x, -behind), ahead)
-    reference.cop[stance, 1] = min(max(y, -aside), aside)
+    for k in range(legs.edges[stance]):
+        edge = legs.edge[stance, k]
+        past = max(edge[0] * x + edge[1] * y - max(edge[2] - g.cop.margin, 0.0), 0.0)
+        x, y = x - past * edge[0], y - past * edge[1]
+    reference.cop[stance, 0], reference.cop[stance, 1] = x, y if legs.half_width[stance] > 0.0 else 0.0
     reference.cop_weight[stance] = 1.0

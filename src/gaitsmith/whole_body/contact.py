@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Cube, IntVector, Matrix, kernel
+from gaitsmith.compiled import Cube, IntVector, Matrix, Vector, kernel
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.whole_body.frames import Frames
 from gaitsmith.whole_body.legs import Legs
-from gaitsmith.whole_body.reference import FLAT, HEEL, NONE, TOE
+from gaitsmith.whole_body.reference import FLAT, HEEL, NONE
 
-CONTACT_ROWS = 10  # of one sole at most: friction 4, ZMP along 2, ZMP across 2, yaw moment 2
+FORCE_ROWS = 6  # of one sole, besides those of its ZMP: friction 4, yaw moment 2
 WRENCH_SIZE = 6  # variables of one sole at most
 ROLL_MOMENT, PITCH_MOMENT, YAW_MOMENT = 3, 4, 5  # axes of a wrench after the three of its force
 
@@ -42,8 +42,7 @@ class Contacts(NamedTuple):
         axes: (n, 3, 3) contact frame to world.
         jacobian: (n, 6, nv) spatial, at the pivot.
         bias: (n, 6) at the pivot.
-        low: (n, 2) least x and y of the ZMP, contact frame, from the pivot, m.
-        high: (n, 2) greatest.
+        half_edge: (n,) half the length of the edge that a sole stands on, m.
         first: (n,) number of its first variable.
     """
 
@@ -52,8 +51,7 @@ class Contacts(NamedTuple):
     axes: Cube
     jacobian: Cube
     bias: Matrix
-    low: Matrix
-    high: Matrix
+    half_edge: Vector
     first: IntVector
 
 
@@ -66,8 +64,7 @@ def make_contacts(nv: int, n_soles: int) -> Contacts:
         axes=np.zeros((n, 3, 3)),
         jacobian=np.zeros((n, 6, nv)),
         bias=np.zeros((n, 6)),
-        low=np.zeros((n, 2)),
-        high=np.zeros((n, 2)),
+        half_edge=np.zeros(n),
         first=np.zeros(n, dtype=np.int64),
     )
 
@@ -134,14 +131,16 @@ def observe_contacts(legs: Legs, frames: Frames, kinds: IntVector, contacts: Con
         contacts.kind[leg] = kind
         if kind == NONE:
             continue
-        along = legs.toe[leg] if kind == TOE else (-legs.heel[leg] if kind == HEEL else 0.0)
+        along = across = 0.0
+        if kind != FLAT:
+            end = legs.end[leg, 0 if kind == HEEL else 1]
+            along, across = end[0], 0.5 * (end[1] + end[2])
+            contacts.half_edge[leg] = 0.5 * (end[2] - end[1])
         for i in range(3):
             contacts.pivot[leg, i] = frames.sole_position[leg, i] + along * frames.sole_rotation[leg, i, 0]
+            contacts.pivot[leg, i] += across * frames.sole_rotation[leg, i, 1]
         _levelled(frames.sole_rotation[leg], kind, legs.half_width[leg], contacts.axes[leg])
         _at_pivot(frames, contacts, leg)
-        contacts.low[leg, 0] = -legs.heel[leg] if kind == FLAT else 0.0
-        contacts.high[leg, 0] = legs.toe[leg] if kind == FLAT else 0.0
-        contacts.low[leg, 1], contacts.high[leg, 1] = -legs.half_width[leg], legs.half_width[leg]
     return changed
 
 
@@ -156,12 +155,11 @@ def _new_row(qp: QuadraticProgram, m: int) -> int:
 
 
 @kernel
-def _moment_rows(qp: QuadraticProgram, m: int, normal: int, moment: int, low: float, high: float) -> int:
-    """``low f_z ≤ moment ≤ high f_z``."""
-    m = _new_row(qp, m)
-    qp.rows[m - 1, normal], qp.rows[m - 1, moment] = high, -1.0
-    m = _new_row(qp, m)
-    qp.rows[m - 1, normal], qp.rows[m - 1, moment] = -low, 1.0
+def _moment_rows(qp: QuadraticProgram, m: int, normal: int, moment: int, reach: float) -> int:
+    """``|moment| ≤ reach f_z``."""
+    for sign in (-1.0, 1.0):
+        m = _new_row(qp, m)
+        qp.rows[m - 1, normal], qp.rows[m - 1, moment] = reach, sign
     return m
 
 
@@ -171,7 +169,8 @@ def contact_bounds(
 ) -> int:
     """Friction pyramid, ZMP (eq. 26) and yaw moment of one sole; returns the next free row.
 
-    In the contact frame the ZMP is at ``x = -m_y / f_z`` and ``y = m_x / f_z`` from the pivot.
+    In the contact frame the ZMP is at ``x = -m_y / f_z`` and ``y = m_x / f_z`` from the pivot; it keeps the margin from
+    every edge of a flat sole.
     """
     m, first, kind = row, contacts.first[leg], contacts.kind[leg]
     normal = first + 2
@@ -180,12 +179,21 @@ def contact_bounds(
         for sign in (-1.0, 1.0):
             m = _new_row(qp, m)
             qp.rows[m - 1, normal], qp.rows[m - 1, first + axis] = bounds.friction, sign
-    low, high, margin = contacts.low[leg], contacts.high[leg], bounds.zmp_margin
+    roll = pitch = 0
     variable = first + 3
     if transmits(kind, legs.half_width[leg], ROLL_MOMENT):
-        m = _moment_rows(qp, m, normal, variable, min(low[1] + margin, 0.0), max(high[1] - margin, 0.0))
-        variable += 1
+        roll, variable = variable, variable + 1
     if transmits(kind, legs.half_width[leg], PITCH_MOMENT):
-        m = _moment_rows(qp, m, normal, variable, min(margin - high[0], 0.0), max(-low[0] - margin, 0.0))
-        variable += 1
-    return _moment_rows(qp, m, normal, variable, -bounds.yaw_friction, bounds.yaw_friction)
+        pitch, variable = variable, variable + 1
+    if kind != FLAT and roll > 0:
+        reach = max(contacts.half_edge[leg] - bounds.zmp_margin, 0.0)
+        m = _moment_rows(qp, m, normal, roll, reach)
+    for k in range(legs.edges[leg] if kind == FLAT else 0):
+        edge = legs.edge[leg, k]
+        m = _new_row(qp, m)
+        qp.rows[m - 1, normal] = max(edge[2] - bounds.zmp_margin, 0.0)
+        if pitch > 0:
+            qp.rows[m - 1, pitch] = edge[0]
+        if roll > 0:
+            qp.rows[m - 1, roll] = -edge[1]
+    return _moment_rows(qp, m, normal, variable, bounds.yaw_friction)

@@ -1,7 +1,8 @@
-"""Accelerations as a linear function of joint torques and sole wrenches: ``q̈ = M⁻¹(Sᵀτ + Jᵀλ - h)``."""
+"""Accelerations as a linear function of joint torques and sole wrenches: ``q̈ = M⁻¹(Sᵀτ + Jᵀλ + τ_p - h)``."""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -47,10 +48,25 @@ def make_motion_map(nv: int, n_joints: int, n_soles: int) -> MotionMap:
 
 
 @kernel
-def forward_dynamics_map(state: TreeState, legs: Legs, contacts: Contacts, motion: MotionMap, n_joints: int) -> int:
+def _add_passive(legs: Legs, q: Vector, v: Vector, motion: MotionMap, column: int) -> None:
+    """Add the torques of the joints' springs, damping and dry friction, each joint's within its torque limit.
+
+    The sign of the dry friction is smooth, so that a joint at rest does not chatter.
+    """
+    for j in range(legs.passive.shape[0]):
+        speed = v[6 + j]
+        torque = -legs.passive[j, 0] * (q[7 + j] - legs.passive[j, 1]) - legs.passive[j, 2] * speed
+        torque -= legs.passive[j, 3] * speed / math.sqrt(speed * speed + legs.passive[j, 4] ** 2)
+        motion.map[6 + j, column] += min(max(torque, -legs.torque_limit[j]), legs.torque_limit[j])
+
+
+@kernel
+def forward_dynamics_map(
+    state: TreeState, legs: Legs, contacts: Contacts, motion: MotionMap, q: Vector, v: Vector
+) -> int:
     """Fill ``map`` and ``free``; returns the number of variables, or -1 if M is not positive definite."""
-    nv = motion.free.shape[0]
-    n = n_joints
+    nv, n_joints = motion.free.shape[0], legs.torque_limit.shape[0]
+    n: int = n_joints
     for i in range(nv):
         for j in range(n_joints):
             motion.map[i, j] = 0.0
@@ -71,6 +87,7 @@ def forward_dynamics_map(state: TreeState, legs: Legs, contacts: Contacts, motio
             n += 1
     for k in range(nv):
         motion.map[k, n] = -state.bias[k]
+    _add_passive(legs, q, v, motion, n)
     if not cholesky(state.mass_matrix, motion.factor, nv):
         return -1
     cholesky_solve_matrix(motion.factor, motion.map, nv, n + 1)

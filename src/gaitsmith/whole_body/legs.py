@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
 
+_FASTEST = 25.0  # ω: no joint's damping, as it is cancelled, is faster by itself
+_SLIDES = 0.03  # ω, joint speed at which dry friction is fully cancelled
+
+
 class Legs(NamedTuple):
     """Constants of all legs (one row each, in the robot's order) and of the torso.
 
@@ -30,11 +34,17 @@ class Legs(NamedTuple):
         heel: (n,) m, behind the sole frame's origin.
         toe: (n,) m, ahead of it.
         half_width: (n,) m; 0 for a line sole.
+        edges: (n,) how many the sole has.
+        edge: (n, most, 3) outward unit normal, sole axes, and distance from the sole frame's origin, m.
+        end: (n, 2, 3) heel's and toe's edge: x, least and greatest y, m.
         leg_of_joint: (nj,) row of the leg, -1 outside the legs.
         position_low: (nj,) rad.
         position_high: (nj,) rad.
         torque_limit: (nj,) N·m.
         home: (nj,) angle that a joint outside the legs holds, rad.
+        passive: (nj, 5) what the joints do by themselves: stiffness, N·m/rad; the angle at which its torque is zero,
+            rad; damping, N·m·s/rad; dry friction, N·m, and the speed at which it is fully felt, rad/s. No rows for a
+            robot whose joints do nothing.
     """
 
     torso: IntVector
@@ -51,16 +61,24 @@ class Legs(NamedTuple):
     heel: Vector
     toe: Vector
     half_width: Vector
+    edges: IntVector
+    edge: Cube
+    end: Cube
     leg_of_joint: IntVector
     position_low: Vector
     position_high: Vector
     torque_limit: Vector
     home: Vector
+    passive: Matrix
 
 
 def make_legs(robot: Robot) -> Legs:
     """Kernel form of a robot's legs."""
     legs = robot.legs
+    edges = np.array([len(leg.sole.edges) for leg in legs])
+    edge = np.zeros((len(legs), edges.max(), 3))
+    for row, leg in enumerate(legs):
+        edge[row, : edges[row]] = leg.sole.edges
     leg_of_joint = np.full(len(robot.joint_names), -1, dtype=np.int64)
     for row, leg in enumerate(legs):
         leg_of_joint[leg.joint_indices] = row
@@ -79,9 +97,27 @@ def make_legs(robot: Robot) -> Legs:
         heel=np.array([leg.sole.heel for leg in legs]),
         toe=np.array([leg.sole.toe for leg in legs]),
         half_width=np.array([leg.sole.half_width for leg in legs]),
+        edges=edges,
+        edge=edge,
+        end=np.array([leg.sole.ends for leg in legs]),
         leg_of_joint=leg_of_joint,
         position_low=np.asarray(robot.position_low),
         position_high=np.asarray(robot.position_high),
         torque_limit=np.asarray(robot.torque_limit),
-        home=np.clip(0.0, robot.position_low, robot.position_high),
+        home=np.asarray(robot.home),
+        passive=_passive(robot),
     )
+
+
+def _passive(robot: Robot) -> Matrix:
+    """Springs, damping and dry friction of the joints, as far as a control in discrete time can cancel them."""
+    model, dofs = robot.model, robot.joint_dofs
+    joints = model.dof_jntid[dofs]
+    damping, friction = model.dof_damping[dofs], model.dof_frictionloss[dofs]
+    table = np.column_stack([model.jnt_stiffness[joints], model.qpos_spring[model.jnt_qposadr[joints]], damping])
+    if not (table[:, (0, 2)].any() or friction.any()):
+        return np.zeros((0, 5))
+    rate = np.sqrt(np.linalg.norm(model.opt.gravity) / robot.card.gait.height)
+    most = _FASTEST * rate * model.dof_M0[dofs]
+    table[:, 2] = np.minimum(damping, most)
+    return np.column_stack([table, friction, np.maximum(_SLIDES * rate, friction / most)])

@@ -8,7 +8,7 @@ import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector
 from gaitsmith.qp.quadratic_program import QuadraticProgram, make_quadratic_program
-from gaitsmith.whole_body.contact import CONTACT_ROWS, ContactBounds, Contacts, make_contacts
+from gaitsmith.whole_body.contact import FORCE_ROWS, ContactBounds, Contacts, make_contacts
 from gaitsmith.whole_body.forward_dynamics import MotionMap, make_motion_map, variable_count
 from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import Reference
@@ -77,6 +77,7 @@ def make_whole_body(
     counts = {name: np.zeros(1, dtype=np.int64) for name in Solution._fields[4:]}
     torque, wrench = np.zeros(n_joints), np.zeros((n_soles, 6))
     n = variable_count(n_joints, n_soles)
+    rows = (FORCE_ROWS + max(body.legs.edge.shape[1], 2)) * n_soles + n_joints
     return WholeBody(
         body=body,
         reference=reference,
@@ -84,6 +85,6 @@ def make_whole_body(
         contact_bounds=contact_bounds,
         joint_bounds=joint_bounds,
         motion=make_motion_map(nv, n_joints, n_soles),
-        program=make_quadratic_program(n, CONTACT_ROWS * n_soles + n_joints),
+        program=make_quadratic_program(n, rows),
         solution=Solution(torque, wrench, np.zeros(nv), np.ones(1, dtype=np.int64), **counts),
     )
