@@ -9,13 +9,16 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gaitsmith.robots.sole import Sole
 from gaitsmith.simulation.fall import explain
 from gaitsmith.simulation.limits import Bounds, Seen, find_hits, make_hits, remember_hits
 from gaitsmith.simulation.monitor import TILTED
+from gaitsmith.whole_body.legs import edge_table
 
 DT = 1e-3
 KNEE, FRICTION, LEGS = 0, 7, 9  # places of three limits for one joint and two soles
-BOUNDS = Bounds(*(np.zeros(2) for _ in range(7)), reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, dt=DT)
+NO_EDGE = (np.zeros(2, dtype=np.int64), np.zeros((2, 1, 3)))
+BOUNDS = Bounds(*(np.zeros(2) for _ in range(4)), *NO_EDGE, reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, dt=DT)
 
 
 def _seen() -> Seen:
@@ -96,9 +99,10 @@ def test_the_reason_names_the_first_limit_and_three_more():
 def test_the_sides_of_a_sole_are_edges_and_a_line_has_none():
     hits, names = make_hits(("knee",), ("left", "right"), DT)
     seen, width = _seen(), 0.05
-    sole = {"heel": np.full(2, 0.1), "toe": np.full(2, 0.1), "half_width": np.array([width, 0.0])}
+    soles = (Sole(kind="rectangle", heel=0.1, toe=0.1, half_width=width), Sole(kind="line", heel=0.1, toe=0.1))
+    edges, edge = edge_table(soles)
     joint = {name: np.ones(1) for name in ("torque", "velocity", "position_high")}
-    bounds = BOUNDS._replace(**sole, **joint, position_low=-np.ones(1), friction=1.0)
+    bounds = BOUNDS._replace(edges=edges, edge=edge, **joint, position_low=-np.ones(1), friction=1.0)
     seen.wrench[[2, 8]] = 300.0
     for across, hit in ((0.9 * width, False), (-width, True), (width, True)):
         seen.zmp[[1, 3]] = across

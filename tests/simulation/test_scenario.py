@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from tests.simulation.standing import robot
 
 from gaitsmith.errors import BadInput
+from gaitsmith.robots import load_robot
 from gaitsmith.simulation.scenario import GAIT_INPUTS, Scenario, check_scenario, load_scenario, make_scenario
 
 MANY = settings(max_examples=1000)
@@ -185,6 +187,16 @@ def test_a_robot_that_cannot_turn_says_so():
             check_scenario(make_scenario(fields), robot())
         assert str(caught.value) == f"{field}: got 0.3, expected 0 only; the legs cannot turn"
     check_scenario(make_scenario({"yaw_rate": 0.0}), robot())
+
+
+def test_a_posture_is_checked_against_the_robot():
+    robot = load_robot(Path(__file__).parents[1] / "models/with_arms.toml")
+    for posture, told in (({"left_knee": 0.1}, "outside the legs"), ({"left_elbow": 0.5}, "-2.5 to 0 rad")):
+        scenario = make_scenario({"changes": [{"time": 1.0, "posture": posture}]})
+        with pytest.raises(BadInput, match=told) as caught:
+            check_scenario(scenario, robot)
+        assert caught.value.field.startswith("changes[0]: posture")
+    check_scenario(make_scenario({"changes": [{"time": 1.0, "posture": {"left_elbow": -0.5}}]}), robot)
 
 
 def test_an_unknown_preset_names_the_known_ones():

@@ -80,6 +80,7 @@ def build_robot(card: CardText, content: bytes, folder: CardFolder) -> Robot:
     left, right = legs["left"], legs["right"]
     if any(leg.sole is not legs[leg.name].sole for leg in card.legs):
         notes.append("a sole is walked on as a line along x: the ankle does not roll")
+    notes += _passive(model)
     if not left.hip_anchor[1] > right.hip_anchor[1]:
         raise BadInput(f"{label}: legs", "left hip right of the right hip", "the left hip at the larger y")
     complete = completed(card, found, model, (left, right), label, notes)
@@ -202,6 +203,21 @@ def _leg(
         sole=leg.sole if rolls else leg.sole.as_line(),
         hip_anchor=_fixed(anchors[0]),
     )
+
+
+def _passive(model: mujoco.MjModel) -> list[str]:
+    """What the joints do by themselves and the control cancels, in words."""
+    table = {
+        "springs": model.jnt_stiffness[1:],
+        "damping": model.dof_damping[6:],
+        "dry friction": model.dof_frictionloss[6:],
+    }
+    counts = {name: int(np.count_nonzero(values)) for name, values in table.items()}
+    found = ", ".join(f"{name} of {count} joints" for name, count in counts.items() if count)
+    notes = [f"the control cancels {found}, as the model has them"] if found else []
+    if any(values.any() for values in (model.jnt_stiffnesspoly, model.dof_dampingpoly, model.jnt_springyield)):
+        notes.append("the control takes springs and damping for linear, the model's are not")
+    return notes
 
 
 def _imu(model: mujoco.MjModel, card: Described) -> tuple[Array, Array]:

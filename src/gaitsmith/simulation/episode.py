@@ -316,7 +316,7 @@ def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
     """What a scenario tells the controller."""
     if scenario.gait:
         return [(0.0, Order(action="follow"))]
-    orders = [(change.time, Order(change.given())) for change in scenario.changes]
+    orders = [(change.time, Order(change.given(), posture=change.posture)) for change in scenario.changes]
     orders.append((scenario.walk_from, Order(action="walk")))
     if scenario.rest_after > 0.0:
         orders.append((scenario.walk_until, Order(action="stand")))

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import IntVector, Vector, kernel
+from gaitsmith.compiled import Cube, IntVector, Vector, kernel
 from gaitsmith.robots import Robot
 from gaitsmith.robots.presets import ControlParameters
+from gaitsmith.whole_body.legs import edge_table
 
 _SATURATED = 0.999  # of the limit
 _EDGE = 1e-3  # m within which the ZMP or a foothold counts as on its bound
@@ -51,9 +52,8 @@ class Bounds(NamedTuple):
     velocity: Vector
     position_low: Vector
     position_high: Vector
-    heel: Vector
-    toe: Vector
-    half_width: Vector
+    edges: IntVector
+    edge: Cube
     reach: float
     spread: float
     zmp_margin: float
@@ -138,14 +138,14 @@ class Joints(NamedTuple):
 
 def make_bounds(robot: Robot, parameters: ControlParameters, dt: float) -> Bounds:
     """Limits of a robot and of its controller; ``dt`` is the time from one observation to the next, s."""
+    edges, edge = edge_table([leg.sole for leg in robot.legs])
     return Bounds(
         torque=np.asarray(robot.torque_limit),
         velocity=np.asarray(robot.velocity_limit),
         position_low=np.asarray(robot.position_low),
         position_high=np.asarray(robot.position_high),
-        heel=np.array([leg.sole.heel for leg in robot.legs]),
-        toe=np.array([leg.sole.toe for leg in robot.legs]),
-        half_width=np.array([leg.sole.half_width for leg in robot.legs]),
+        edges=edges,
+        edge=edge,
         reach=parameters.foothold.reach,
         spread=parameters.foothold.spread,
         zmp_margin=parameters.contact.zmp_margin,
@@ -194,13 +194,13 @@ def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
     flags.reach[0] = 1 if bounded and far else 0
     flags.spread[0] = 1 if bounded and wide and not far else 0
     flags.separation[0] = 1 if bounded and not far and not wide else 0
-    for leg in range(bounds.toe.shape[0]):
+    for leg in range(bounds.edges.shape[0]):
         force = seen.wrench[6 * leg : 6 * leg + 3]
-        x, margin, loaded = seen.zmp[2 * leg], bounds.zmp_margin + _EDGE, force[2] > 1.0
-        wide = bounds.half_width[leg]  # 0 for a line, which the ZMP cannot leave
-        sideways = wide > 0.0 and abs(seen.zmp[2 * leg + 1]) > wide - margin
-        edge = sideways or x > bounds.toe[leg] - margin or x < margin - bounds.heel[leg]
-        flags.zmp[leg] = 1 if loaded and edge else 0
+        loaded, room = force[2] > 1.0, math.inf
+        for k in range(bounds.edges[leg]):
+            a, b, distance = bounds.edge[leg, k, 0], bounds.edge[leg, k, 1], bounds.edge[leg, k, 2]
+            room = min(room, distance - a * seen.zmp[2 * leg] - b * seen.zmp[2 * leg + 1])
+        flags.zmp[leg] = 1 if loaded and room < bounds.zmp_margin + _EDGE else 0
         along = math.sqrt(force[0] ** 2 + force[1] ** 2)
         flags.friction[leg] = 1 if loaded and along > _SATURATED * bounds.friction * force[2] else 0
     flags.legs[0] = 1 if seen.leg_contact[0] > 0.0 else 0

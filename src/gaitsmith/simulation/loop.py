@@ -54,6 +54,7 @@ class Order:
 
     Attributes:
         command: gait inputs by name, for :meth:`gaitsmith.control.Controller.command`.
+        posture: angles of joints outside the legs by name, for :meth:`gaitsmith.control.Controller.posture`, rad.
         action: the name of another of its methods, called after that.
         told: whether observers hear of it; False for one of a stream of small corrections.
     """
@@ -61,6 +62,7 @@ class Order:
     command: Mapping[str, Any] = field(default_factory=dict)
     action: Literal["", "walk", "stand", "follow"] = ""
     told: bool = True
+    posture: Mapping[str, float] = field(default_factory=dict)
 
 
 class Commands(Protocol):
@@ -93,9 +95,9 @@ class Script:
 
 def replayed(log: Log, control_step: float) -> Script:
     """What was told to the controller in a run that was logged."""
-    told = [event for event in log.events if "command" in event or "action" in event]
-    orders = [(event["time"], Order(event.get("command", {}), event.get("action", ""))) for event in told]
-    return Script(orders, control_step)
+    fields = ("command", "action", "posture")
+    told = [(event["time"], {name: event[name] for name in fields if name in event}) for event in log.events]
+    return Script([(time, Order(**given)) for time, given in told if given], control_step)
 
 
 class Observer(Protocol):
@@ -175,6 +177,9 @@ class Loop:
         if order.command:
             self.controller.command(**order.command)
             event["command"] = dict(order.command)
+        if order.posture:
+            self.controller.posture(order.posture)
+            event["posture"] = dict(order.posture)
         if order.action:
             getattr(self.controller, order.action)()
             event["action"] = order.action

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, create_model, field_validator, model_validator
 
-from gaitsmith.documents import About, Frozen, about, checked, parse_toml, read_toml
+from gaitsmith.documents import About, Frozen, Name, about, checked, parse_toml, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
+from gaitsmith.template.posture import commanded
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -66,9 +67,10 @@ class Command(_Inputs):
 
 
 class Change(Command):
-    """Gait inputs that change at a time, s since the beginning of the run."""
+    """Gait inputs, and angles of joints outside the legs (rad), that change at a time, s since the run began."""
 
     time: Seconds
+    posture: Annotated[dict[Name, float], Field(max_length=200)] = Field(default_factory=dict)
 
     if TYPE_CHECKING:
 
@@ -77,8 +79,8 @@ class Change(Command):
     @model_validator(mode="after")
     def _changes_something(self) -> Change:
         """Refuse a change of nothing."""
-        if not self.given():
-            raise BadInput("changes", self.time, "a time and at least one of " + ", ".join(GAIT_INPUTS))
+        if not self.given() and not self.posture:
+            raise BadInput("changes", self.time, f"a time and at least one of {', '.join(GAIT_INPUTS)}, posture")
         return self
 
 
@@ -268,6 +270,12 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
         raise BadInput("preset", scenario.preset, "one of " + ", ".join(sorted(robot.card.presets)))
     for prefix, command in [("", scenario), *((f"changes[{k}].", change) for k, change in enumerate(scenario.changes))]:
         check_gait(command.given(), robot.card.gait_limits, prefix)
+    at_home = np.array([robot.home, robot.velocity_limit])
+    for k, change in enumerate(scenario.changes):
+        try:
+            commanded(at_home, robot, change.posture, {})
+        except BadInput as error:
+            raise error.within(f"changes[{k}]") from None
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:

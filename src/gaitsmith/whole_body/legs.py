@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
+    from gaitsmith.robots.sole import Sole
 
 
 _FASTEST = 25.0  # ω: no joint's damping, as it is cancelled, is faster by itself
@@ -72,13 +74,19 @@ class Legs(NamedTuple):
     passive: Matrix
 
 
+def edge_table(soles: Sequence[Sole]) -> tuple[IntVector, Cube]:
+    """How many edges every sole has, (n,), and the edges, (n, most, 3), as :class:`Legs` has them."""
+    edges = np.array([len(sole.edges) for sole in soles])
+    edge = np.zeros((len(soles), edges.max(), 3))
+    for row, sole in enumerate(soles):
+        edge[row, : edges[row]] = sole.edges
+    return edges, edge
+
+
 def make_legs(robot: Robot) -> Legs:
     """Kernel form of a robot's legs."""
     legs = robot.legs
-    edges = np.array([len(leg.sole.edges) for leg in legs])
-    edge = np.zeros((len(legs), edges.max(), 3))
-    for row, leg in enumerate(legs):
-        edge[row, : edges[row]] = leg.sole.edges
+    edges, edge = edge_table([leg.sole for leg in legs])
     leg_of_joint = np.full(len(robot.joint_names), -1, dtype=np.int64)
     for row, leg in enumerate(legs):
         leg_of_joint[leg.joint_indices] = row
