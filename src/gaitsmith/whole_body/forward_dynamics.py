@@ -49,15 +49,12 @@ def make_motion_map(nv: int, n_joints: int, n_soles: int) -> MotionMap:
 
 @kernel
 def _add_passive(legs: Legs, q: Vector, v: Vector, motion: MotionMap, column: int) -> None:
-    """Add the torques of the joints' springs, damping and dry friction, each joint's within its torque limit.
-
-    The sign of the dry friction is smooth, so that a joint at rest does not chatter.
-    """
+    """Add the torques of the joints' springs, damping and dry friction, whose sign is smooth: no joint chatters."""
     for j in range(legs.passive.shape[0]):
         speed = v[6 + j]
         torque = -legs.passive[j, 0] * (q[7 + j] - legs.passive[j, 1]) - legs.passive[j, 2] * speed
         torque -= legs.passive[j, 3] * speed / math.sqrt(speed * speed + legs.passive[j, 4] ** 2)
-        motion.map[6 + j, column] += min(max(torque, -legs.torque_limit[j]), legs.torque_limit[j])
+        motion.map[6 + j, column] += torque
 
 
 @kernel
