@@ -12,10 +12,11 @@ CORNERS = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.2, 0], [0, 0, 0.3]])
 FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 
 
-def dae(nodes: str, unit: str = '<unit meter="1"/>') -> bytes:
+def dae(nodes: str, unit: str = '<unit meter="1"/>', up: str = "Z_UP") -> bytes:
     numbers = " ".join(map(str, CORNERS.ravel()))
     return (
-        f'<COLLADA xmlns="http://x"><asset>{unit}</asset><library_geometries><geometry id="g"><mesh>'
+        f'<COLLADA xmlns="http://x"><asset>{unit}<up_axis>{up}</up_axis></asset>'
+        '<library_geometries><geometry id="g"><mesh>'
         f'<source id="n"><float_array>9 9 9</float_array></source><source id="p"><float_array>{numbers}</float_array>'
         '</source><vertices><input semantic="POSITION" source="#p"/></vertices></mesh></geometry></library_geometries>'
         f"<library_visual_scenes><visual_scene>{nodes}</visual_scene></library_visual_scenes></COLLADA>"
@@ -51,6 +52,12 @@ def test_collada_puts_points_where_its_nodes_say() -> None:
     same(points_of(dae(moved), ".dae", "m"), 2.0 * CORNERS @ quarter.T + [1, 2, 3])
     matrix = f"<node><matrix>0 -1 0 5 1 0 0 0 0 0 1 0 0 0 0 1</matrix>{shape}</node>"
     same(points_of(dae(matrix), ".dae", "m"), CORNERS @ quarter.T + [5, 0, 0])
+
+
+def test_collada_whose_y_is_up_is_turned_until_z_is() -> None:
+    node = '<node><instance_geometry url="#g"/></node>'
+    x, y, z = CORNERS.T
+    same(points_of(dae(node, up="Y_UP"), ".dae", "m"), np.column_stack([x, -z, y]))
 
 
 @pytest.mark.parametrize(

@@ -248,7 +248,7 @@ def _narrow(draft: CardDraft, robot: Robot, sheet: dict[str, Any]) -> None:
         walked = sheet.get(part, (low, high))
         if walked[0] - low > _LESS * (high - low) or high - walked[1] > _LESS * (high - low):
             inside = [max(walked[0], low), min(walked[1], high)]
-            draft.tables.setdefault("gait_limits", []).append(Entry(part, inside, "walked in simulation, 8 s"))
+            draft.tables.setdefault("gait_limits", []).append(Entry(part, inside, "walked in simulation"))
 
 
 def _assumed(robot: Robot, found: ModelFile) -> list[Entry]:

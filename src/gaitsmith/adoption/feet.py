@@ -16,15 +16,22 @@ from gaitsmith.errors import BadInput
 
 Array = NDArray[np.float64]
 _THICK = 0.01  # m at most
+_PERSON = (0.06, 0.19, 0.05, 0.09)  # of hip height: heel, toe, half width and depth of a person's sole
+_LARGEST = 0.35  # of hip height
 _NARROW = 0.005  # m, half the width of a line's box
 
 
 def sole_candidates(model: mujoco.MjModel, anatomy: Anatomy) -> list[str]:
-    """Sizes that a sole could have, as `--sole` takes them: of the box with the left foot's mass and inertia."""
+    """Sizes that a sole could have, as `--sole` takes them.
+
+    The first is of the box with the left foot's mass and inertia, unless that is no foot's; the last is a person's, for
+    legs of this length.
+    """
     data, leg = anatomy.data, anatomy.legs[0]
     bodies = [body for body in leg.links if model.body_mass[body] > 0.0]
+    persons = tuple(share * anatomy.hip_height for share in _PERSON)
     if not bodies:
-        return []
+        return [_sizes(persons)]
     body = max(bodies, key=lambda b: model.body_mass[b])
     moments = model.body_inertia[body] / model.body_mass[body]
     spread = np.sqrt(np.maximum(3.0 * (moments.sum() / 2.0 - moments), 0.0))
@@ -32,7 +39,12 @@ def sole_candidates(model: mujoco.MjModel, anatomy: Anatomy) -> list[str]:
     half = np.sqrt(turn**2 @ spread**2)
     middle = anatomy.axes.T @ (data.xipos[body] - leg.ankle)
     sizes = (half[0] - middle[0], half[0] + middle[0], half[1], half[2] - middle[2])
-    return [" ".join(f"{max(size, 0.01):.3f}" for size in sizes)]
+    likely = min(sizes) > 0.0 and max(sizes) < _LARGEST * anatomy.hip_height
+    return [_sizes(sizes), _sizes(persons)] if likely else [_sizes(persons)]
+
+
+def _sizes(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.3f}" for value in values)
 
 
 def add_soles(files: dict[str, bytes], model: mujoco.MjModel, anatomy: Anatomy, soles: list[SoleFound]) -> None:

@@ -15,10 +15,10 @@ from gaitsmith.experiments.store import Store
 from gaitsmith.robots import Robot
 from gaitsmith.simulation import Scenario, Summary
 
-_SHORT = 8.0  # s of a walk that is tried
+_SHORT = 6.0  # s of a walk that is tried
 _OFF, _SHARE = 0.02, 0.15  # m/s, or share of the command: error of a mean speed with which it still walks
 _TURNING = 0.1  # rad/s of error in the yaw rate
-_ROUNDS = 3  # of bisection
+_ROUNDS = 2  # of bisection
 _PUSH, _FINE = 0.06, 0.02  # first impulse and resolution, of mass times √(gH)
 _DIRECTIONS, _PHASES = 4, 2
 

@@ -43,7 +43,7 @@ def _plain(root: Element) -> Element:
 
 
 def _collada(root: Element) -> Array:
-    """Points of every geometry where the scene's nodes put it; the axis that points up is left as it is."""
+    """Points of every geometry where the scene's nodes put it, z up."""
     unit = root.find("asset/unit")
     scale = float(unit.get("meter", "1")) if unit is not None else 1.0
     geometries = {f"#{item.get('id')}": _positions(item) for item in root.iter("geometry")}
@@ -63,7 +63,9 @@ def _collada(root: Element) -> Array:
 
     for scene in root.iter("visual_scene"):
         visit(scene, np.eye(4), 0)
-    return scale * np.vstack(found or list(geometries.values()) or [np.zeros((0, 3))])
+    points = scale * np.vstack(found or list(geometries.values()) or [np.zeros((0, 3))])
+    up = root.findtext("asset/up_axis", "Y_UP").strip()  # the standard's default
+    return points[:, [0, 2, 1]] * [1.0, -1.0, 1.0] if up == "Y_UP" else points
 
 
 def _positions(geometry: Element) -> Array:
