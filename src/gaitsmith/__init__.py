@@ -29,12 +29,4 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "control": "Controller",
-        "log": "read_log",
-        "robots": "Robot load_robot robot_names",
-        "simulation": "Episode Plant Scenario Simulation load_scenario run_episode",
-    },
-)
+__getattr__, __dir__ = lazily(__name__)

@@ -11,8 +11,7 @@ import stat
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from gaitsmith.errors import BadInput
 
@@ -132,37 +131,32 @@ def why_unwritable(folder: Path) -> str:
 
 
 @contextlib.contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Ignore :data:`ENDING`, here and in processes started meanwhile; only the main thread is ever told of them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {number: signal.signal(number, signal.SIG_IGN) for number in ENDING}
+def _handling(handler: Any) -> Iterator[None]:
+    """Handle :data:`ENDING` in another way; only the main thread is ever told of them."""
+    ours = ENDING if threading.current_thread() is threading.main_thread() else ()
+    before = {number: signal.signal(number, handler) for number in ours}
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, own in before.items():
+            signal.signal(number, own)
+
+
+def uninterrupted() -> contextlib.AbstractContextManager[None]:
+    """Ignore :data:`ENDING`, here and in processes started meanwhile."""
+    return _handling(signal.SIG_IGN)
 
 
 @contextlib.contextmanager
 def deferred() -> Iterator[None]:
     """Let :data:`ENDING` wait until what must be done in one piece is done; they come at its end."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    came: list[tuple[int, FrameType | None]] = []
-    handlers = {number: signal.getsignal(number) for number in ENDING}
-    heard = {number: handler for number, handler in handlers.items() if callable(handler)}
-    for number in heard:
-        signal.signal(number, lambda number, frame: came.append((number, frame)))
+    came: list[int] = []
     try:
-        yield
+        with _handling(lambda number, _: came.append(number)):
+            yield
     finally:
-        for number, handler in heard.items():
-            signal.signal(number, handler)
-        for number, frame in came:
-            heard[signal.Signals(number)](number, frame)
+        for number in came:
+            signal.raise_signal(number)
 
 
 def _sync_folder(folder: Path) -> None:

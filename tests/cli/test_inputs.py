@@ -1,11 +1,13 @@
 """A gait file and its robot are found together, or what does not fit is named as the user wrote it."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from gaitsmith.cli.inputs import given_steps, named_robot, planned_gait
+from gaitsmith.cli.export import export
+from gaitsmith.cli.inputs import named_robot, planned_gait
 from gaitsmith.errors import BadInput
 
 
@@ -14,11 +16,11 @@ def gait_of(robot: str, cyclic: bool) -> Any:
     return SimpleNamespace(robot=robot, robot_hash="0" * 64, joint_names=(), motion=motion)
 
 
-def test_steps_are_for_cyclic_gaits() -> None:
-    assert given_steps(None, gait_of("thbip_ii", False), 20) == 20
-    assert given_steps(3, gait_of("thbip_ii", True), 20) == 3
+def test_steps_are_for_cyclic_gaits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read = lambda path, robot: (gait_of("thbip_ii", False), None, True)  # noqa: E731
+    monkeypatch.setattr("gaitsmith.cli.export.planned_gait", read)
     with pytest.raises(BadInput, match="--steps: got 3, expected nothing for kick"):
-        given_steps(3, gait_of("thbip_ii", False), 20)
+        export(["gait.json", "--steps", "3", "--out", str(tmp_path / "gait.csv")], "gaitsmith export")
 
 
 def test_an_unknown_robot_is_named_by_its_flag() -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.dynamics.pinocchio_model import evaluate
 from tests.dynamics.trees import NAMES, State, random_state, relative_error, shifted
 
-from gaitsmith.dynamics import point_bias, point_jacobian, point_velocity, update_dynamics
+from gaitsmith.dynamics import point_bias, point_jacobian, point_velocity, sole_pose, update_dynamics
 
 ORACLE = 1e-9  # relative; what the specification asks, rounding is near 1e-15
 STEP = 1e-5  # s; central differences of second order, so their own error is near 1e-9
@@ -85,3 +85,16 @@ def test_the_world_does_not_move():
     now = random_state("bhr_b2", 3)
     assert not np.any(_jacobian(now, 0))
     assert not np.any(_bias(now, 0))
+
+
+@pytest.mark.parametrize("name", ["bhr_b2", "planar", "with_arms"])
+def test_sole_pose_agrees_with_mujoco(name):
+    model, data, tree, state, _, _ = random_state(name, 0)
+    for site in range(model.nsite):
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, model.site_quat[site])
+        position, rotation = np.zeros(3), np.zeros((3, 3))
+        body = int(model.site_bodyid[site])
+        sole_pose(tree, state, body, model.site_pos[site].copy(), turn.reshape(3, 3), position, rotation)
+        np.testing.assert_allclose(position, data.site_xpos[site], rtol=ORACLE, atol=ORACLE)
+        np.testing.assert_allclose(rotation.ravel(), data.site_xmat[site], atol=ORACLE)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core.runtime import _nrt_python, rtsys
+from tests.qp.optimality import residual
 
 from gaitsmith.compiled import Arena, bind, kernel
 from gaitsmith.errors import BadInput
@@ -20,7 +21,6 @@ from gaitsmith.qp.quadratic_program import (
     OPTIMAL,
     QuadraticProgram,
     make_quadratic_program,
-    residual,
     solve,
 )
 

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from gaitsmith.splines import coefficients, evaluate_pair, time_vectors, w_matrix
+from gaitsmith.splines.polynomial import power_basis
+from gaitsmith.splines.quartic_pair import evaluate_pair
 
 Array = npt.NDArray[np.float64]
 
@@ -21,6 +22,36 @@ values = st.floats(-2.0, 2.0)
 shares = st.floats(0.2, 0.8)
 periods = st.floats(0.2, 1.5)
 ends = st.tuples(values, values, values, values, values, values, values)
+
+
+def time_vectors(t: float) -> Array:
+    """Rows p(t), ṗ(t), p̈(t) of eq. 1: shape (3, 5), powers of t in s⁰..s⁴ and their derivatives."""
+    return np.array([power_basis(4, t, derivative) for derivative in range(3)])
+
+
+def w_matrix(t0: float, t1: float, t2: float) -> Array:
+    """W(t0, t1, t2) of eqs. 2-4, shape (10, 10): what the ten coefficients must satisfy. Times in s, t0 < t1 < t2."""
+    at_joint = time_vectors(t1)
+    w = np.zeros((10, 10))
+    w[0:4, 0:5] = np.vstack([time_vectors(t0), at_joint[0]])
+    w[4:8, 5:10] = np.vstack([time_vectors(t2), at_joint[0]])
+    w[8:10, 0:5] = at_joint[1:]
+    w[8:10, 5:10] = -at_joint[1:]
+    return w
+
+
+def coefficients(t0: float, t1: float, t2: float, chi: Array) -> Array:
+    """Coefficients ξ of eq. 5, shape (10,): five powers of t for [t0, t1], then five for [t1, t2].
+
+    Args:
+        t0: start, s.
+        t1: joint, s.
+        t2: end, s; t0 < t1 < t2.
+        chi: (ζ₀, v₀, ψ₀, ζ₁, ζ₂, v₂, ψ₂, ζ₁, 0, 0): position, velocity, acceleration at the start, position at the
+            joint, position, velocity, acceleration at the end, position at the joint, and the two jumps at the joint.
+    """
+    solved: Array = np.asarray(np.linalg.solve(w_matrix(t0, t1, t2), chi), dtype=np.float64)
+    return solved
 
 
 def curve(t: float, t1: float, t2: float, end: tuple[float, ...]) -> Array:

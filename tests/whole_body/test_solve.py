@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.control.walking import ROBOTS, Held, records, robot
+from tests.qp.optimality import residual
 from tests.whole_body.bodies import CONTACTS, Body, Engine, moving, standing
 
-from gaitsmith.qp.quadratic_program import residual
 from gaitsmith.whole_body.reference import FLAT, NONE
 
 Array = npt.NDArray[np.float64]

@@ -272,7 +272,7 @@ def _help(kind: type[BaseModel], options: list[_Option], program: str) -> str:
         term = term if positional else f"{term} {option.usage}".strip()
         told = f"{option.about.meaning}{f', {option.about.unit}' if option.about.unit else ''}."
         absent = option.about.absent() if callable(option.about.absent) else option.about.absent
-        default = absent if option.default is None else _shown(option.default)
+        default = _shown(absent if option.default is None else option.default)
         details = [f"default: {default}{option.range.replace(' ', ', ', 1)}"] if default and not option.repeats else []
         details += ["repeatable"] if option.repeats else []
         told += "".join(f" ({detail})" for detail in details)

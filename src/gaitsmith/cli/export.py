@@ -9,9 +9,10 @@ from pydantic import Field
 
 from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, Outcome
-from gaitsmith.cli.inputs import given_steps, planned_gait
+from gaitsmith.cli.inputs import planned_gait
 from gaitsmith.cli.run_folder import check_file
 from gaitsmith.documents import About
+from gaitsmith.errors import BadInput
 
 
 class ExportArguments(Arguments):
@@ -35,10 +36,11 @@ def export(words: list[str], program: str) -> Outcome:
     from gaitsmith.synthesis.files.export import export_gait
 
     gait, robot, _ = planned_gait(arguments.gait, arguments.robot)
-    steps = given_steps(arguments.steps, gait, 1)
+    if arguments.steps is not None and not gait.motion.cyclic:
+        raise BadInput("--steps", arguments.steps, f"nothing for {gait.motion.name}", "it applies to cyclic gaits")
     with Display("exporting") as display:
         tell = lambda done, total: display.show("exporting", f"{done} of {total} rows", done, total)  # noqa: E731
-        rows = export_gait(gait, robot, path, arguments.format, arguments.rate, steps, tell)
+        rows = export_gait(gait, robot, path, arguments.format, arguments.rate, arguments.steps or 1, tell)
     document = {"file": str(path), "format": arguments.format, "rate": arguments.rate, "rows": rows}
     return Outcome(DONE, document, [f"written: {path}, {rows} rows"])
 

@@ -49,14 +49,3 @@ def planned_gait(path: str, robot: str | None, allow_edited: bool = False) -> tu
         raise BadInput("--robot", robot, valid, "plan again for this one")
     require_robot(gait, loaded)
     return gait, loaded, intact
-
-
-def given_steps(steps: int | None, gait: Gait, default: int) -> int:
-    """Steps of a cyclic gait.
-
-    Raises:
-        BadInput: steps are given for a gait that is not cyclic.
-    """
-    if steps is not None and not gait.motion.cyclic:
-        raise BadInput("--steps", steps, f"nothing for {gait.motion.name}", "it applies to cyclic gaits")
-    return default if steps is None else steps

@@ -16,19 +16,13 @@ class Interrupts:
     """Context in which Ctrl-C raises KeyboardInterrupt and is noted: a library may turn the exception into another.
 
     SIGTERM and SIGHUP, which end a session or a batch job, do the same. A signal that is ignored already (a job in the
-    background) stays ignored, and in other threads nothing changes.
-
-    Args:
-        ending: the process ends after this: Ctrl-C is ignored from then on, or it would end it with a signal.
-
-    Attributes:
-        seen: whether Ctrl-C was pressed.
-        over: set when the command has ended: Ctrl-C has nothing left to stop.
+    background) stays ignored, and in other threads nothing changes. With ``ending`` the process ends after this, and
+    Ctrl-C is ignored from then on, or it would end it with a signal.
     """
 
     def __init__(self, ending: bool = False) -> None:
-        self.seen = False
-        self.over = False
+        self.seen = False  # whether Ctrl-C was pressed
+        self.over = False  # set when the command has ended: Ctrl-C has nothing left to stop
         self._ending = ending
         self._last = -_SAME
         self._before: dict[int, object] = {}

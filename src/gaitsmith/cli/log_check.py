@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import secrets
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -48,7 +47,7 @@ def check(words: list[str], program: str) -> Outcome:
                 repaired.append(SUMMARY)
     if not found.complete and not running:
         sys.stderr.write(printable(f"gaitsmith: {path} was cut: whole up to {found.last_time:.3f} s\n"))
-    document = {"run": arguments.run, **asdict(found), "repaired": bool(repaired), "written": repaired}
+    document = {"run": arguments.run, **found._asdict(), "repaired": bool(repaired), "written": repaired}
     state = "complete" if found.complete else "still being written" if running else "cut short"
     text = [f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}"]
     text += ["written anew: " + ", ".join(repaired)] if repaired else []

@@ -65,18 +65,12 @@ class PlanArguments(Arguments):
     step_height: Annotated[
         float | None,
         Field(ge=0.005, le=0.3),
-        About(
-            "Height of the swing ankle above its height on the ground", "m", "M", absent=f"{StepParameters.height:g}"
-        ),
+        About("Height of the swing ankle above its height on the ground", "m", "M", StepParameters.height),
     ] = None
     double_support: Annotated[
         float | None,
         Field(ge=0.05, le=0.8),
-        About(
-            "Share of the period with both feet on the ground",
-            metavar="SHARE",
-            absent=f"{StepParameters.double_support:g}",
-        ),
+        About("Share of the period with both feet on the ground", "", "SHARE", StepParameters.double_support),
     ] = None
     free: Annotated[
         tuple[str, ...],
@@ -84,7 +78,7 @@ class PlanArguments(Arguments):
     ] = ()
     order: Annotated[
         Literal[4, 5] | None,
-        About("Degree of the joint splines: 4 as in the paper, or 5", absent=str(_SETTINGS["order"].default)),
+        About("Degree of the joint splines: 4 as in the paper, or 5", absent=_SETTINGS["order"].default),
     ] = None
     cycles: Annotated[
         int | None,
@@ -93,16 +87,12 @@ class PlanArguments(Arguments):
     zmp_margin: Annotated[
         float | None,
         *_BOUNDS["zmp_margin"].metadata,
-        About(
-            "Distance of the ZMP from the support sole's edge", "m", "M", absent=f"{_BOUNDS['zmp_margin'].default:g}"
-        ),
+        About("Distance of the ZMP from the support sole's edge", "m", "M", _BOUNDS["zmp_margin"].default),
     ] = None
     friction: Annotated[
         float | None,
         *_BOUNDS["friction"].metadata,
-        About(
-            "Coulomb coefficient", metavar="MU", absent=f"{_BOUNDS['friction'].default:g}, for a kick {KICK_FRICTION:g}"
-        ),
+        About("Coulomb coefficient", "", "MU", f"{_BOUNDS['friction'].default:g}, for a kick {KICK_FRICTION:g}"),
     ] = None
     time_limit: Annotated[
         float | None,

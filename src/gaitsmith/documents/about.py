@@ -35,7 +35,7 @@ class About:
     meaning: str
     unit: str = ""
     metavar: str = ""
-    absent: str | Callable[[], str] = ""
+    absent: str | float | Callable[[], str] = ""
     flag: str = ""
 
 

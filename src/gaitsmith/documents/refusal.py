@@ -8,6 +8,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from gaitsmith.documents.about import VALID_NAME, check_name
 from gaitsmith.errors import BadInput
@@ -29,12 +30,9 @@ def refusal(error: ValidationError, model: type[BaseModel], source: str = "") ->
     place = first["loc"]
     if place[-1:] == ("[key]",) and first["type"] != "extra_forbidden":
         place = place[:-1]
-    entry = ""
-    for part in place:
-        entry += f"[{part}]" if isinstance(part, int) else f".{part}"
-    entry = entry.lstrip(".")
+    entry = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).lstrip(".")
     if first["type"] == "extra_forbidden":
-        known = _keys(model, place[:-1])
+        known = list(_fields(_hint(model, place[:-1])[0]))
         valid = f"no such entry; this table takes only {', '.join(known)}"
         found = BadInput(entry, first["input"], valid, nearest(place[-1], known))
     elif first["type"] == _OWN:
@@ -55,10 +53,9 @@ def nearest(word: object, choices: Iterable[str]) -> str:
     return f"did you mean {close[0]}?" if close else ""
 
 
-def _keys(model: type[BaseModel], place: Iterable[int | str]) -> list[str]:
+def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
     """The entries that a table may have."""
-    hint, _ = _hint(model, place)
-    return [field.alias or name for name, field in hint.model_fields.items()]
+    return {field.alias or name: field for name, field in model.model_fields.items()}
 
 
 def _hint(hint: Any, place: Iterable[int | str]) -> tuple[Any, tuple[Any, ...]]:
@@ -66,11 +63,11 @@ def _hint(hint: Any, place: Iterable[int | str]) -> tuple[Any, tuple[Any, ...]]:
     hint, limits = plain(hint)
     for part in place:
         if isinstance(hint, type) and issubclass(hint, BaseModel):
-            fields = {field.alias or name: field for name, field in hint.model_fields.items()}
-            if part not in fields:
+            field = _fields(hint).get(str(part))
+            if field is None:
                 return hint, ()
-            inner, more = plain(fields[str(part)].annotation)
-            hint, limits = inner, (*fields[str(part)].metadata, *more)
+            hint, more = plain(field.annotation)
+            limits = (*field.metadata, *more)
         elif get_origin(hint) is dict:
             hint, limits = plain(get_args(hint)[1])
         elif get_origin(hint) is tuple:
@@ -113,14 +110,10 @@ def _valid(hint: Any, limits: tuple[Any, ...]) -> str:
 def span(limits: tuple[Any, ...]) -> str:
     """The range that constraints leave, in words that follow a noun; empty without any."""
     least, above, most, below = (_limit(limits, name) for name in ("ge", "gt", "le", "lt"))
-    words = ""
-    if least is not None or above is not None:
-        words += f" from {least:g}" if least is not None else f" above {above:g}"
-    if most is not None or below is not None:
-        words += (
-            f" {'to' if least is not None else 'up to'} {most:.10g}" if most is not None else f" below {below:.10g}"
-        )
-    return words
+    low = f" from {least:g}" if least is not None else f" above {above:g}" if above is not None else ""
+    to = "to" if least is not None else "up to"
+    high = f" {to} {most:.10g}" if most is not None else f" below {below:.10g}" if below is not None else ""
+    return low + high
 
 
 def _limit(limits: tuple[Any, ...], name: str) -> Any:

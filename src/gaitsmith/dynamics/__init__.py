@@ -1,12 +1,12 @@
 """Rigid-body dynamics of a floating-base tree, compiled once for all robots."""
 
 from gaitsmith.dynamics.algorithms import update_dynamics as update_dynamics
-from gaitsmith.dynamics.contact import sole_pose as sole_pose
 from gaitsmith.dynamics.linear_algebra import cholesky as cholesky
 from gaitsmith.dynamics.linear_algebra import cholesky_solve_matrix as cholesky_solve_matrix
 from gaitsmith.dynamics.points import point_bias as point_bias
 from gaitsmith.dynamics.points import point_jacobian as point_jacobian
 from gaitsmith.dynamics.points import point_velocity as point_velocity
+from gaitsmith.dynamics.points import sole_pose as sole_pose
 from gaitsmith.dynamics.tree import Tree as Tree
 from gaitsmith.dynamics.tree import TreeState as TreeState
 from gaitsmith.dynamics.tree import make_tree_state as make_tree_state

@@ -13,8 +13,6 @@ def update_dynamics(tree: Tree, state: TreeState, q: Vector, v: Vector) -> None:
     """Fill ``state`` for one configuration and velocity.
 
     Args:
-        tree: constants from :func:`gaitsmith.dynamics.read_tree`.
-        state: arrays from :func:`gaitsmith.dynamics.make_tree_state`, all overwritten.
         q: (nq,) MuJoCo's ``qpos``; quaternions w x y z of any length.
         v: (nv,) MuJoCo's ``qvel``; a free joint's linear part in world axes, its angular part in body axes.
     """

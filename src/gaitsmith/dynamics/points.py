@@ -1,4 +1,8 @@
-"""Points fixed to a body: Jacobian, velocity-product acceleration, velocity; linear part first, world axes."""
+"""What is fixed to a body: pose of a sole; Jacobian, velocity-product acceleration and velocity of a point.
+
+``state`` is filled by :func:`gaitsmith.dynamics.update_dynamics`; ``body`` is a body's number, and ``point`` (3,) is
+where a point of it is now, world axes, m. Spatial results have the linear part first, in world axes.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +12,7 @@ from gaitsmith.dynamics.tree import Tree, TreeState
 
 @kernel
 def point_jacobian(tree: Tree, state: TreeState, body: int, point: Vector, out: Matrix) -> None:
-    """Spatial Jacobian of a point of a body.
-
-    Args:
-        tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
-        body: the body's number.
-        point: (3,) where the point is now, world axes, m.
-        out: (6, nv) receives linear velocity (rows 0-2) and angular velocity (rows 3-5) per unit of v.
-    """
+    """Spatial Jacobian of a point, into ``out`` (6, nv): rows 0-2 linear, rows 3-5 angular velocity per unit of v."""
     x, y, z = point[0] - state.reference[0], point[1] - state.reference[1], point[2] - state.reference[2]
     s = state.motion
     for row in range(6):
@@ -34,14 +30,9 @@ def point_jacobian(tree: Tree, state: TreeState, body: int, point: Vector, out: 
 
 @kernel
 def point_bias(tree: Tree, state: TreeState, body: int, point: Vector, out: Vector) -> None:
-    """J̇ v of a point of a body: its acceleration and the body's angular acceleration while v is constant.
+    """J̇ v of a point, into ``out`` (6,), m/s² and rad/s², without gravity.
 
-    Args:
-        tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
-        body: the body's number.
-        point: (3,) where the point is now, world axes, m.
-        out: (6,) receives m/s² and rad/s², without gravity.
+    That is its acceleration and the body's angular acceleration while v is constant.
     """
     x, y, z = point[0] - state.reference[0], point[1] - state.reference[1], point[2] - state.reference[2]
     w0, w1, w2 = state.velocity[body, 0], state.velocity[body, 1], state.velocity[body, 2]
@@ -57,16 +48,7 @@ def point_bias(tree: Tree, state: TreeState, body: int, point: Vector, out: Vect
 
 @kernel
 def point_velocity(tree: Tree, state: TreeState, body: int, point: Vector, v: Vector, out: Vector) -> None:
-    """J v of a point of a body, for any v (the state's own or another).
-
-    Args:
-        tree: the tree.
-        state: filled by :func:`gaitsmith.dynamics.update_dynamics`.
-        body: the body's number.
-        point: (3,) where the point is now, world axes, m.
-        v: (nv,) generalised velocity.
-        out: (6,) receives m/s and rad/s.
-    """
+    """J v of a point, into ``out`` (6,), m/s and rad/s, for any v (nv,): the state's own or another."""
     x, y, z = point[0] - state.reference[0], point[1] - state.reference[1], point[2] - state.reference[2]
     s = state.motion
     w0 = w1 = w2 = u0 = u1 = u2 = 0.0
@@ -77,3 +59,27 @@ def point_velocity(tree: Tree, state: TreeState, body: int, point: Vector, v: Ve
         dof = tree.dof_parent[dof]
     out[0], out[1], out[2] = u0 + w1 * z - w2 * y, u1 + w2 * x - w0 * z, u2 + w0 * y - w1 * x
     out[3], out[4], out[5] = w0, w1, w2
+
+
+@kernel
+def sole_pose(
+    tree: Tree,
+    state: TreeState,
+    body: int,
+    position: Vector,
+    rotation: Matrix,
+    position_out: Vector,
+    rotation_out: Matrix,
+) -> None:
+    """Pose of a sole frame in the world; any frame fixed to a body works.
+
+    Args:
+        position, rotation: (3,) origin in body axes, m, and (3, 3) sole axes to body axes.
+        position_out, rotation_out: receive the origin in the world, m, and sole axes to world.
+    """
+    r = state.body_rotation
+    for i in range(3):
+        a, b, c = r[body, i, 0], r[body, i, 1], r[body, i, 2]
+        position_out[i] = state.body_position[body, i] + a * position[0] + b * position[1] + c * position[2]
+        for j in range(3):
+            rotation_out[i, j] = a * rotation[0, j] + b * rotation[1, j] + c * rotation[2, j]

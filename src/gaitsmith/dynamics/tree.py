@@ -115,9 +115,8 @@ def read_tree(model: mujoco.MjModel) -> Tree:
     if model.nmocap:
         raise BadInput("model", model.nmocap, "no mocap body", "remove the mocap attribute")
     if np.any(model.tendon_armature != 0.0):
-        raise BadInput(
-            "model", float(np.max(model.tendon_armature)), "tendons without armature", "set it on the joints"
-        )
+        largest = float(np.max(model.tendon_armature))
+        raise BadInput("model", largest, "tendons without armature", "set it on the joints")
     n_body = model.nbody
     body_dof = np.full(n_body, -1, dtype=np.int64)
     inertia = np.zeros((n_body, 3, 3))
@@ -159,10 +158,8 @@ def _integers(values: object) -> IntVector:
 def make_tree_state(tree: Tree) -> TreeState:
     """Zeroed arrays for one configuration of ``tree``."""
     n_body, nv = len(tree.body_parent), len(tree.dof_body)
-    rotation = np.zeros((n_body, 3, 3))
-    rotation[:] = np.eye(3)
     return TreeState(
-        body_rotation=rotation,
+        body_rotation=np.tile(np.eye(3), (n_body, 1, 1)),
         body_position=np.zeros((n_body, 3)),
         mass_matrix=np.zeros((nv, nv)),
         bias=np.zeros(nv),

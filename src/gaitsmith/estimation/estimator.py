@@ -10,9 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from gaitsmith.compiled import IntVector, kernel
-from gaitsmith.dynamics.contact import sole_pose
 from gaitsmith.dynamics.kinematics import forward_kinematics, forward_velocities
-from gaitsmith.dynamics.points import point_velocity
+from gaitsmith.dynamics.points import point_velocity, sole_pose
 from gaitsmith.estimation.filters import EstimatorGains as EstimatorGains
 from gaitsmith.estimation.filters import EstimatorState as EstimatorState
 from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_joints, predict_axis, turn_to_torso

@@ -111,7 +111,7 @@ class ChunkWriter:
             mcap.Channel(id=_ROWS, topic=TOPIC, message_encoding="cdr", schema_id=1, metadata={}),
             mcap.Channel(id=_TOLD, topic=EVENTS, message_encoding="json", schema_id=0, metadata={}),
         ]
-        self._index = array("Q")  # per chunk: first and last time, place, sizes; see _write
+        self._chunks, self._spans = bytearray(), array("Q")  # index records; first and last time of every chunk
         self._counts = {_ROWS: 0, _TOLD: 0}
         notes = {"format": FORMAT, **head._asdict()}
         metadata = mcap.Metadata(name=_NOTES, metadata={name: json.dumps(value) for name, value in notes.items()})
@@ -151,31 +151,48 @@ class ChunkWriter:
             uncompressed_crc=zlib.crc32(content),
             uncompressed_size=len(content),
         )
-        record = _packed(chunk)
+        record, place = _packed(chunk), self._at
         indices = [_index_record(channel, rows) for channel, rows in ((_ROWS, index), (_TOLD, told_index))]
-        place = self._at
         self._put(record + b"".join(indices))
-        times = (chunk.message_start_time, chunk.message_end_time)
-        self._index.extend([*times, place, len(record), *map(len, indices), len(packed), len(content)])
+        first, last = chunk.message_start_time, chunk.message_end_time
+        found = mcap.ChunkIndex(
+            message_start_time=first,
+            message_end_time=last,
+            chunk_start_offset=place,
+            chunk_length=len(record),
+            message_index_offsets={_ROWS: place + len(record), _TOLD: place + len(record) + len(indices[0])},
+            message_index_length=sum(map(len, indices)),
+            compression=chunk.compression,
+            compressed_size=len(packed),
+            uncompressed_size=len(content),
+        )
+        self._chunks += _packed(found)
+        self._spans.extend((first, last))
         self._counts[_ROWS] += n
         self._counts[_TOLD] += len(events)
         self.rows, self._first = self.rows + n, b""
 
+    def write_rows(self, rows: npt.NDArray[np.float64], events: Sequence[Event] = ()) -> None:
+        """As :meth:`write`, for (n, m) rows."""
+        messages = message_rows(rows.shape[1], len(rows))
+        messages["row"] = rows
+        self.write(messages, events)
+
     def finish(self) -> None:
         """Write what lets other programs find their way in the file: it is complete then."""
-        end, chunks = _packed(mcap.DataEnd(data_section_crc=0)), list(self._chunk_indices())
+        end = _packed(mcap.DataEnd(data_section_crc=0))
         found = mcap.Statistics(
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=self._counts,
-            chunk_count=len(chunks),
+            chunk_count=len(self._spans) // 2,
             message_count=sum(self._counts.values()),
             metadata_count=1,
-            message_start_time=min((chunk.message_start_time for chunk in chunks), default=0),
-            message_end_time=max((chunk.message_end_time for chunk in chunks), default=0),
+            message_start_time=min(self._spans, default=0),
+            message_end_time=max(self._spans, default=0),
             schema_count=len(self._schemas),
         )
-        summary = _packed(*self._schemas, *self._channels, found, *chunks, self._notes)
+        summary = _packed(*self._schemas, *self._channels, found) + self._chunks + _packed(self._notes)
         places = {"summary_start": self._at + len(end), "summary_offset_start": 0}
         opening = struct.pack("<BQQQ", Opcode.FOOTER, 20, *places.values())
         footer = mcap.Footer(**places, summary_crc=zlib.crc32(opening, zlib.crc32(summary)))
@@ -190,22 +207,6 @@ class ChunkWriter:
             data = _MESSAGE.pack(_TOLD, (self._counts[_TOLD] + k) % 2**32, stamp, stamp) + json.dumps(event).encode()
             content += _HEAD.pack(Opcode.MESSAGE, len(data)) + data
         return content, index
-
-    def _chunk_indices(self) -> Iterator[mcap.ChunkIndex]:
-        """What the summary says of the chunks."""
-        for k in range(0, len(self._index), 8):
-            first, last, place, length, rows, told, packed, size = self._index[k : k + 8]
-            yield mcap.ChunkIndex(
-                message_start_time=first,
-                message_end_time=last,
-                chunk_start_offset=place,
-                chunk_length=length,
-                message_index_offsets={_ROWS: place + length, _TOLD: place + length + rows},
-                message_index_length=rows + told,
-                compression="zstd",
-                compressed_size=packed,
-                uncompressed_size=size,
-            )
 
     def _put(self, content: bytes) -> None:
         """Write all of it or, where the disk is full, nothing."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import tempfile
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -16,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import deferred, open_regular, write_bytes_atomic
+from gaitsmith.files import deferred, open_regular, reason, write_bytes_atomic
 from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, Event, Head, message_rows
 
 DECIMATION = 4
@@ -70,12 +71,9 @@ class Log:
         """
         file = io.BytesIO()
         writer = ChunkWriter(file, Head(self.columns, self.decimation, self.dropped, self.notes))
-        writer.write(message_rows(len(self.columns), 0), self.events)
+        writer.write_rows(self.rows[:0], self.events)
         for first in range(0, len(self.rows), _CAPACITY):
-            rows = self.rows[first : first + _CAPACITY]
-            messages = message_rows(len(self.columns), len(rows))
-            messages["row"] = rows
-            writer.write(messages)
+            writer.write_rows(self.rows[first : first + _CAPACITY])
         writer.finish()
         write_bytes_atomic(path, file.getvalue())
 
@@ -113,10 +111,8 @@ class Recorder:
         self._sources = [(slice(end - len(source), end), source) for end, source in zip(ends, sources, strict=True)]
         self._count, self._events = 0, list[Event]()
         self._written_until, self._flushed = 0.0, time.monotonic()
-        try:
+        with self._disk():
             self._writer = ChunkWriter(file, Head(columns, decimation, 0, notes))
-        except OSError as error:
-            raise self._full(error) from None
 
     @property
     def rows(self) -> int:
@@ -153,13 +149,10 @@ class Recorder:
         Raises:
             BadInput: the disk is full; what was written before can be read.
         """
-        with deferred():
+        with self._disk():
             kept = self._messages[: self._count]
             kept["row"] = self._rows[: self._count]
-            try:
-                self._writer.write(kept, self._events)
-            except OSError as error:
-                raise self._full(error) from None
+            self._writer.write(kept, self._events)
             if self._count:
                 self._written_until = float(self._rows[self._count - 1, 0])
             self._count, self._events, self._flushed = 0, [], time.monotonic()
@@ -173,18 +166,19 @@ class Recorder:
         if self.closed:
             return
         self.flush()
-        with deferred():
-            try:
-                self._writer.finish()
-            except OSError as error:
-                raise self._full(error) from None
+        with self._disk():
+            self._writer.finish()
             self.closed = True
 
-    def _full(self, error: OSError) -> BadInput:
-        """What to tell of a file that takes no more."""
-        kept = getattr(self, "_written_until", 0.0)
-        reason = (error.strerror or str(error)).lower()
-        return BadInput("log", reason, "a disk with room for it", f"the log is kept up to {kept:.3f} s")
+    @contextlib.contextmanager
+    def _disk(self) -> Iterator[None]:
+        """Writing in one piece, to a file that may take no more."""
+        try:
+            with deferred():
+                yield
+        except OSError as error:
+            kept = f"the log is kept up to {self._written_until:.3f} s"
+            raise BadInput("log", reason(error), "a disk with room for it", kept) from None
 
 
 def read_log(path: str | Path, last: int | None = None) -> Log:
@@ -235,9 +229,7 @@ def new_file(record: bool | str | Path | Callable[[], BinaryIO]) -> BinaryIO:
             return Scratch(handle, "r+b")
         return open(record, "x+b", buffering=0)
     except OSError as error:
-        raise BadInput(
-            str(record), (error.strerror or "").lower(), "a new file in a folder that can be written"
-        ) from None
+        raise BadInput(str(record), reason(error), "a new file in a folder that can be written") from None
 
 
 def read_back(file: BinaryIO) -> Log:

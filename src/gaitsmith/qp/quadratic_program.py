@@ -7,14 +7,12 @@ Programming 27, 1983) goes on from the part of that set whose multipliers have t
 
 from __future__ import annotations
 
-import numpy as np
-
 from gaitsmith.compiled import kernel
 from gaitsmith.qp._dual import solve_dual
 from gaitsmith.qp._guess import accept_guess, prepare
 from gaitsmith.qp._storage import INFEASIBLE as INFEASIBLE
 from gaitsmith.qp._storage import ITERATION_LIMIT as ITERATION_LIMIT
-from gaitsmith.qp._storage import KEPT_MULTIPLIERS, KEPT_SOLUTION, METRIC
+from gaitsmith.qp._storage import KEPT_MULTIPLIERS, KEPT_SOLUTION
 from gaitsmith.qp._storage import NOT_CONVEX as NOT_CONVEX
 from gaitsmith.qp._storage import NOT_FINITE as NOT_FINITE
 from gaitsmith.qp._storage import OPTIMAL as OPTIMAL
@@ -82,40 +80,3 @@ def solve(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
     if status != OPTIMAL:
         _clear(qp)
     return status, iterations
-
-
-@kernel
-def residual(qp: QuadraticProgram) -> float:
-    """Largest violation of the optimality conditions by ``solution`` and ``multipliers``, relative.
-
-    Variable i is measured in 1/√H_ii and constraint k by the norm of its normal in those units; the result is
-    divided by the largest scaled entry of solution and gradient, so 1e-10 means ten correct digits. Covers limits,
-    stationarity, and sign and complementarity of the multipliers.
-    """
-    n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    metric = qp.vectors[METRIC]
-    if prepare(qp) != OPTIMAL:
-        return np.inf
-    unit = 1e-300
-    worst = 0.0
-    for i in range(n):
-        unit = max(unit, abs(qp.gradient[i]) / metric[i], abs(qp.solution[i]) * metric[i])
-    for i in range(n):
-        slope = qp.gradient[i] - qp.multipliers[i]
-        for k in range(n):
-            slope += qp.hessian[i, k] * qp.solution[k]
-        for j in range(m):
-            slope -= qp.rows[j, i] * qp.multipliers[base + j]
-        worst = max(worst, abs(slope) / metric[i])
-    for i in range(n + m):
-        if i < n:
-            k, value, low, high = i, qp.solution[i], qp.lower[i], qp.upper[i]
-        else:
-            k, low, high = base + i - n, qp.row_lower[i - n], qp.row_upper[i - n]
-            value = 0.0
-            for p in range(n):
-                value += qp.rows[i - n, p] * qp.solution[p]
-        force = qp.multipliers[k] / metric[k]
-        below, above = (value - low) * metric[k], (high - value) * metric[k]
-        worst = max(worst, -below, -above, min(max(force, 0.0), abs(below)), min(max(-force, 0.0), abs(above)))
-    return worst / unit

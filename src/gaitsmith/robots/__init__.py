@@ -14,6 +14,4 @@ if TYPE_CHECKING:
     from gaitsmith.robots.robot import Robot as Robot
     from gaitsmith.robots.robot import describe as describe
 
-__getattr__, __dir__ = lazily(
-    __name__, {"card": "RobotCard", "loading": "load_robot robot_names", "robot": "Leg Robot describe"}
-)
+__getattr__, __dir__ = lazily(__name__)

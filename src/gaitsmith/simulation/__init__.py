@@ -29,17 +29,4 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.terrain import Terrain as Terrain
     from gaitsmith.simulation.terrain import parse_terrain as parse_terrain
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "disturbances": "Push",
-        "episode": "Episode Simulation run_episode",
-        "loop": "Backend Loop Order Script replayed",
-        "plant": "Plant",
-        "props": "Ball",
-        "scenario": "Scenario load_scenario",
-        "sensors": "SensorNoise",
-        "summary": "Fall Summary",
-        "terrain": "Terrain parse_terrain",
-    },
-)
+__getattr__, __dir__ = lazily(__name__)

@@ -25,12 +25,11 @@ from gaitsmith.log.record import DECIMATION, Log, Recorder, Scratch, new_file, r
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.disturbances import Disturber
-from gaitsmith.simulation.fall import explain
 from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
-from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
+from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.summary import Fall, LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import parse_terrain

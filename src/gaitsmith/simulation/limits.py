@@ -92,66 +92,38 @@ _AT_ONCE = ("legs", "infeasible", "forced")  # count from a single tick on
 
 
 class Hits(NamedTuple):
-    """Limits since the last step without any.
+    """Limits since the last step without any."""
 
-    Attributes:
-        flags: of this tick.
-        now: (n,) the same in one array.
-        hold: (n,) ticks in a row that make a hit.
-        lasting: (n,) ticks in a row so far.
-        first: (n,) tick at which the first hit began; -1 for none.
-        disturbed: whether the present step has a hit.
-        since: ticks since the step began, or since one could have.
-        qp_infeasible, touchdowns_forced: counts at the tick before.
-    """
-
-    flags: Flags
-    now: IntVector
-    hold: IntVector
-    lasting: IntVector
-    first: IntVector
-    disturbed: IntVector
-    since: IntVector
-    qp_infeasible: Vector
+    flags: Flags  # of this tick
+    now: IntVector  # (n,) the same in one array
+    hold: IntVector  # (n,) ticks in a row that make a hit
+    lasting: IntVector  # (n,) ticks in a row so far
+    first: IntVector  # (n,) tick at which the first hit began; -1 for none
+    disturbed: IntVector  # whether the present step has a hit
+    since: IntVector  # ticks since the step began, or since one could have
+    qp_infeasible: Vector  # counts at the tick before
     touchdowns_forced: Vector
 
 
 class Joints(NamedTuple):
-    """Per joint over the run.
+    """Per joint over the run."""
 
-    Attributes:
-        torque_peak: N·m.
-        torque_saturated: ticks.
-        torque_before: at the tick before, N·m.
-        torque_step: largest change from one tick to the next while walking undisturbed, N·m.
-        velocity_peak: rad/s.
-        velocity_over: ticks beyond the limit.
-    """
-
-    torque_peak: Vector
-    torque_saturated: Vector
-    torque_before: Vector
-    torque_step: Vector
-    velocity_peak: Vector
-    velocity_over: Vector
+    torque_peak: Vector  # N·m
+    torque_saturated: Vector  # ticks
+    torque_before: Vector  # at the tick before, N·m
+    torque_step: Vector  # largest change from one tick to the next while walking undisturbed, N·m
+    velocity_peak: Vector  # rad/s
+    velocity_over: Vector  # ticks beyond the limit
 
 
 def make_bounds(robot: Robot, parameters: ControlParameters, dt: float) -> Bounds:
     """Limits of a robot and of its controller; ``dt`` is the time from one observation to the next, s."""
+    limits = (robot.torque_limit, robot.velocity_limit, robot.position_low, robot.position_high)
+    torque, velocity, low, high = map(np.asarray, limits)
     edges, edge = edge_table([leg.sole for leg in robot.legs])
-    return Bounds(
-        torque=np.asarray(robot.torque_limit),
-        velocity=np.asarray(robot.velocity_limit),
-        position_low=np.asarray(robot.position_low),
-        position_high=np.asarray(robot.position_high),
-        edges=edges,
-        edge=edge,
-        reach=parameters.foothold.reach,
-        spread=parameters.foothold.spread,
-        zmp_margin=parameters.contact.zmp_margin,
-        friction=parameters.contact.friction,
-        dt=dt,
-    )
+    foothold, contact = parameters.foothold, parameters.contact
+    bounds = (foothold.reach, foothold.spread, contact.zmp_margin, contact.friction)
+    return Bounds(torque, velocity, low, high, edges, edge, *bounds, dt)
 
 
 def make_hits(joints: tuple[str, ...], soles: tuple[str, ...], dt: float) -> tuple[Hits, tuple[str, ...]]:
@@ -161,17 +133,9 @@ def make_hits(joints: tuple[str, ...], soles: tuple[str, ...], dt: float) -> tup
     holds = [1 if field in _AT_ONCE else max(1, round(_HELD / dt)) for field in Flags._fields]
     now = np.zeros(sum(map(len, members)), dtype=np.int64)
     ends = np.cumsum([len(names) for names in members])
-    hits = Hits(
-        flags=Flags(*np.split(now, ends[:-1])),
-        now=now,
-        hold=np.repeat(holds, [len(names) for names in members]),
-        lasting=np.zeros_like(now),
-        first=np.full_like(now, -1),
-        disturbed=np.zeros(1, dtype=np.int64),
-        since=np.zeros(1, dtype=np.int64),
-        qp_infeasible=np.zeros(1),
-        touchdowns_forced=np.zeros(1),
-    )
+    flags, hold = Flags(*np.split(now, ends[:-1])), np.repeat(holds, [len(names) for names in members])
+    lasting, first, disturbed, since = np.zeros_like(now), np.full_like(now, -1), *np.zeros((2, 1), dtype=np.int64)
+    hits = Hits(flags, now, hold, lasting, first, disturbed, since, np.zeros(1), np.zeros(1))
     return hits, tuple(name for names in members for name in names)
 
 

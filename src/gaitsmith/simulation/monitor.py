@@ -69,33 +69,22 @@ class StageTotals(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """What the monitor writes.
-
-    Attributes:
-        ticks: watched so far.
-        upright: of them, without the fall.
-        steps: touchdowns so far.
-        quiet_from: tick from which on the walk counts as undisturbed.
-        heading, yaw: of the tick before, rad; the heading goes on where the yaw turns over.
-        place: (2,) of the torso when it was upright last, world, m.
-        yaws, headings: rad.
-        step_count: at the tick before.
-    """
+    """What the monitor writes."""
 
     ring: Ring
     stage: StageTotals
     joints: Joints
     hits: Hits
-    ticks: IntVector
-    upright: IntVector
-    steps: IntVector
-    quiet_from: IntVector
-    heading: Vector
-    yaw: Vector
-    place: Vector
-    yaws: Range
-    headings: Range
-    step_count: Vector
+    yaws: Range  # rad
+    headings: Range  # rad; the heading goes on where the yaw turns over
+    ticks: IntVector  # watched so far
+    upright: IntVector  # of them, without the fall
+    steps: IntVector  # touchdowns so far
+    quiet_from: IntVector  # tick from which on the walk counts as undisturbed
+    heading: Vector  # of the tick before, rad
+    yaw: Vector  # the same
+    step_count: Vector  # the same
+    place: Vector  # (2,) of the torso when it was upright last, world, m
 
 
 class Watched(NamedTuple):
@@ -293,23 +282,10 @@ def _restart(stage: StageTotals) -> None:
 
 def _blank(nj: int, hits: Hits, length: int) -> Kept:
     """Nothing seen yet."""
-
-    def whole(size: int = 1) -> IntVector:
-        return np.zeros(size, dtype=np.int64)
-
-    return Kept(
-        ring=Ring(Signals(*(np.zeros(length) for _ in Signals._fields)), whole(_TOUCHDOWNS), whole(_TOUCHDOWNS)),
-        stage=StageTotals(_range(), _range(), np.full(1, np.nan), np.zeros(1)),
-        joints=Joints(*(np.zeros(nj) for _ in Joints._fields)),
-        hits=hits,
-        ticks=whole(),
-        upright=whole(),
-        steps=whole(),
-        quiet_from=whole(),
-        heading=np.zeros(1),
-        yaw=np.zeros(1),
-        place=np.zeros(2),
-        yaws=_range(),
-        headings=_range(),
-        step_count=np.zeros(1),
-    )
+    signals = Signals(*np.zeros((len(Signals._fields), length)))
+    ring = Ring(signals, *np.zeros((2, _TOUCHDOWNS), dtype=np.int64))
+    stage = StageTotals(_range(), _range(), np.full(1, np.nan), np.zeros(1))
+    joints, (ticks, upright, steps, quiet_from) = np.zeros((len(Joints._fields), nj)), np.zeros((4, 1), dtype=np.int64)
+    heading, yaw, step_count = np.zeros((3, 1))
+    numbers = (ticks, upright, steps, quiet_from, heading, yaw, step_count, np.zeros(2))
+    return Kept(ring, stage, Joints(*joints), hits, _range(), _range(), *numbers)

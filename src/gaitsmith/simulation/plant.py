@@ -57,6 +57,9 @@ class Plant:
         truth: what is true at this control tick, over ``truth_buffer``.
         truth_buffer: (n,) the same numbers in one array.
         truth_columns: name of every entry of ``truth_buffer``.
+        q, v: (nq,), (nv,) true position and velocity of the robot; views.
+        torso_rotation: (3, 3) true rotation of the torso to the world; a view.
+        com: (3,) true centre of mass of the robot, world, m; a view.
         balls: state of the balls among the props.
         time: s since :meth:`reset`.
         warnings: of the physics engine since :meth:`reset`, at most a hundred.
@@ -92,7 +95,11 @@ class Plant:
             ball.add_to(spec, f"ball_{k + 1}")
         self._model, self._contact_at, self._imu_at = build(spec, robot, joint_friction, len(props))
         self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
-        self._data = mujoco.MjData(self._model)
+        self._data = data = mujoco.MjData(self._model)
+        self.q: npt.NDArray[np.float64] = data.qpos[: robot.model.nq]
+        self.v: npt.NDArray[np.float64] = data.qvel[: robot.model.nv]
+        self.torso_rotation: npt.NDArray[np.float64] = data.xmat[robot.torso_body].reshape(3, 3)
+        self.com: npt.NDArray[np.float64] = data.subtree_com[robot.torso_body]
         self.balls = tuple(
             BallState(self._data.qpos[self._model.nq - 7 * k :][:3], self._data.qvel[self._model.nv - 6 * k :][:3])
             for k in range(len(props), 0, -1)
@@ -113,13 +120,8 @@ class Plant:
         sole, leg, body, imu = np.split(
             data.sensordata[self._contact_at : self._imu_at + 6], np.cumsum([3 * len(legs), 1, self._n_bodies])
         )
-        world = World(
-            *(data.qpos, data.qvel, data.xpos, data.xmat, data.M, data.qfrc_applied),
-            imu_readings=imu,
-            sole_readings=sole,
-            leg_reading=leg,
-            body_readings=body,
-        )
+        state = (data.qpos, data.qvel, data.xpos, data.xmat, data.M, data.qfrc_applied)
+        world = World(*state, imu_readings=imu, sole_readings=sole, leg_reading=leg, body_readings=body)
         geometry = Geometry(
             torso=robot.torso_body,
             nq=robot.model.nq,
@@ -131,12 +133,7 @@ class Plant:
             row_address=model.M_rowadr.astype(np.int64),
             mass=float(model.body_subtreemass[robot.torso_body]),
         )
-        account = Account(
-            torque=np.zeros(nj),
-            delayed=np.zeros((delay + 1, nj)),
-            head=np.zeros(1, dtype=np.int64),
-            start=np.zeros(2),
-        )
+        account = Account(np.zeros(nj), np.zeros((delay + 1, nj)), np.zeros(1, dtype=np.int64), np.zeros(2))
         self.truth, self.truth_buffer, self.truth_columns = make_truth([leg.name for leg in legs])
         self._arena = Arena(PlantArrays(world, geometry, account, self.truth))
         for kept, given in zip(self._arena.view.world, world, strict=True):
@@ -164,16 +161,13 @@ class Plant:
         self.warnings: list[str] = []
         _hearing.warnings = self.warnings
         mujoco.mj_resetData(self._model, self._data)
-        self._data.qpos[:nq] = q
-        self._data.qvel[:nv] = 0.0 if v is None else v
+        self.q[:], self.v[:] = q, 0.0 if v is None else v
         mujoco.mj_kinematics(self._model, self._data)
-        self._data.qpos[2] -= self._lowest_sole_point()
+        self.q[2] -= self._lowest_sole_point()
         mujoco.mj_forward(self._model, self._data)
         self._forces.clear()
         self._levers = False
-        account = self._account
-        account.torque[:] = 0.0
-        account.delayed[:] = 0.0
+        self._account.torque[:] = self._account.delayed[:] = 0.0
         self.truth_buffer[:] = 0.0
         if self._sensors is not None:
             self._noise = self._sensors.blocks(len(self._robot.joint_names), self._seed)
@@ -247,17 +241,15 @@ class Plant:
                 self._noise_rows = iter(next(self._noise))
                 row = next(self._noise_rows)
             self._noise_row[:] = row
-        read_sensors(self._readings_address, self._noise is not None)
+        read_sensors(self._readings.address, self._noise is not None)
 
     def _bind_measurement(self, into: Measurement) -> None:
         """Share a measurement's arrays with the kernel."""
         noise = np.zeros(9 + len(self._robot.joint_names))
         bias = self._sensors.bias(self._seed) if self._sensors else np.zeros(3)
         step = self._sensors.encoder_step if self._sensors else 0.0
-        self._readings = Arena(
-            SensorArrays(self._arena.view.world, Readings(*into, noise=noise, bias=bias, encoder_step=step))
-        )
-        self._readings_address = self._readings.address
+        readings = Readings(*into, noise=noise, bias=bias, encoder_step=step)
+        self._readings = Arena(SensorArrays(self._arena.view.world, readings))
         self._noise_row: npt.NDArray[np.float64] = self._readings.view.readings.noise
         self._measured = into
 
@@ -299,30 +291,6 @@ class Plant:
             names = [self._model.body(b).name for b in range(1, self._model.nbody)]
             raise BadInput("push.body", body, "one of " + ", ".join(names))
         return int(found)
-
-    @property
-    def q(self) -> npt.NDArray[np.float64]:
-        """(nq,) true position of the robot; a view."""
-        position: npt.NDArray[np.float64] = self._data.qpos[: self._robot.model.nq]
-        return position
-
-    @property
-    def v(self) -> npt.NDArray[np.float64]:
-        """(nv,) true velocity of the robot; a view."""
-        velocity: npt.NDArray[np.float64] = self._data.qvel[: self._robot.model.nv]
-        return velocity
-
-    @property
-    def torso_rotation(self) -> npt.NDArray[np.float64]:
-        """(3, 3) true rotation of the torso to the world; a view."""
-        rotation: npt.NDArray[np.float64] = self._data.xmat[self._robot.torso_body].reshape(3, 3)
-        return rotation
-
-    @property
-    def com(self) -> npt.NDArray[np.float64]:
-        """(3,) true centre of mass of the robot, world, m; a view."""
-        centre: npt.NDArray[np.float64] = self._data.subtree_com[self._robot.torso_body]
-        return centre
 
     def zmp(self) -> tuple[float, float] | None:
         """Centre of the vertical forces between robot and ground, world, m; None in the air."""

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
 from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.errors import BadInput
 from gaitsmith.log.columns import Columns
-from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, message_rows
+from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter
 from gaitsmith.robots import load_robot
-from gaitsmith.simulation.fall import explain
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.report import phase_in_words, refused_readings, sum_up
+from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.summary import LogCounts, Summary
 from gaitsmith.simulation.wall_time import WallTimes
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """What a log holds: rows, time of the last one (s), and whether it was finished."""
 
     rows: int
@@ -48,9 +45,7 @@ def survey(file: BinaryIO, source: str, copy: BinaryIO | None = None) -> Found:
     rows, last = 0, 0.0
     for block in reader:
         if writer is not None:
-            messages = message_rows(len(reader.head.columns), len(block))
-            messages["row"] = block
-            writer.write(messages, reader.events)
+            writer.write_rows(block, reader.events)
             reader.events.clear()
         rows, last = rows + len(block), float(block[-1, 0])
     if writer is not None:

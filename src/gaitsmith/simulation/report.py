@@ -1,4 +1,4 @@
-"""The summary of a run from what was seen of it, while it goes or from its log."""
+"""The summary of a run, and a fall explained, from what was seen of it: while it goes or from its log."""
 
 from __future__ import annotations
 
@@ -10,9 +10,17 @@ import numpy.typing as npt
 from gaitsmith.control.state import STATE_NAMES
 from gaitsmith.log.columns import Columns
 from gaitsmith.robots import Robot
-from gaitsmith.simulation.monitor import Monitor
+from gaitsmith.simulation.monitor import DIVERGED, SANK, TILTED, TOUCHED, Monitor
 from gaitsmith.simulation.scenario import Scenario
-from gaitsmith.simulation.summary import QpCounts, Summary
+from gaitsmith.simulation.summary import Fall, QpCounts, Summary
+
+_HOW = {
+    TILTED: "the torso tilted by more than 60 degrees",
+    SANK: "the hip sank below half the commanded height",
+    TOUCHED: "a body other than a foot touched the ground",
+    DIVERGED: "simulation diverged",
+}
+_SHOWN = 3
 
 
 def _last(columns: Columns, name: str) -> float:
@@ -34,6 +42,26 @@ def phase_in_words(columns: Columns) -> str:
     if mode == 1.0 and stance < len(legs) and period > 0.0:
         return f"{legs[stance]} stance, {100.0 * _last(columns, 'step_time') / period:.0f} % of the step"
     return "standing"
+
+
+def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int]) -> Fall:
+    """The fall that a monitor has just seen.
+
+    Args:
+        monitor: of the run.
+        time: s.
+        phase: of the step, in words.
+        refused: ticks with unusable readings, by sensor.
+    """
+    now = monitor.ticks - 1
+    hits = [(name, time - (now - tick) * monitor.dt) for name, tick in monitor.hits()]
+    reason = _HOW[monitor.state]
+    for k, (name, when) in enumerate(hits[: 1 + _SHOWN]):
+        reason += (f"; first limit hit: {name},", f"; then {name}", f", {name}")[min(k, 2)] + f" at {when:.3f} s"
+    reason += "" if hits else "; no limit was hit in the last step"
+    unusable = ", ".join(f"{count} of {sensor}" for sensor, count in refused.items() if count)
+    reason += f"; ticks with unusable readings: {unusable}" if unusable else ""
+    return Fall(time=time, phase=phase, reason=reason)
 
 
 def sum_up(scenario: Scenario, robot: Robot, monitor: Monitor, columns: Columns, **rest: Any) -> Summary:

@@ -42,14 +42,7 @@ class SensorNoise(Frozen):
     def blocks(self, n_joints: int, seed: int) -> Iterator[npt.NDArray[np.float64]]:
         """Endless blocks of noise, one row a sample: gyro (3), accelerometer (3), attitude (3), encoders."""
         rng = np.random.default_rng([seed, 0xB2])
-        scale = np.concatenate(
-            [
-                np.full(3, self.gyro),
-                np.full(3, self.accelerometer),
-                np.full(3, self.attitude),
-                np.full(n_joints, self.encoder),
-            ]
-        )
+        scale = np.repeat([self.gyro, self.accelerometer, self.attitude, self.encoder], [3, 3, 3, n_joints])
         block = np.empty((_BLOCK, 9 + n_joints))
         while True:
             rng.standard_normal(out=block)

@@ -49,11 +49,6 @@ class Terrain:
     amount: float = 0.0
     seed: int = 0
 
-    @property
-    def has_plane(self) -> bool:
-        """Whether an endless level plane at z = 0 is part of the ground."""
-        return self.kind != "slope"
-
     def height(self, x: float, y: float) -> float:
         """Height of the ground at a point of the world, m; on an edge between boxes, of either."""
         if self.kind == "slope":

@@ -70,14 +70,7 @@ def make_truth(legs: Sequence[str]) -> tuple[Truth, Vector, tuple[str, ...]]:
 
 
 class World(NamedTuple):
-    """Arrays of the physics engine, shared with it; names and layouts are MuJoCo's.
-
-    Attributes:
-        sole_readings: force on every sole (3), by contact sensors.
-        leg_reading: (1,) number of contacts between the legs.
-        body_readings: number of ground contacts of every body that is not a foot.
-        imu_readings: accelerometer (3), gyro (3).
-    """
+    """Arrays of the physics engine, shared with it; names and layouts are MuJoCo's."""
 
     qpos: Vector
     qvel: Vector
@@ -85,10 +78,10 @@ class World(NamedTuple):
     xmat: Matrix
     M: Vector
     qfrc_applied: Vector
-    imu_readings: Vector
-    sole_readings: Vector
-    leg_reading: Vector
-    body_readings: Vector
+    imu_readings: Vector  # accelerometer (3), gyro (3)
+    sole_readings: Vector  # force on every sole (3), by contact sensors
+    leg_reading: Vector  # (1,) number of contacts between the legs
+    body_readings: Vector  # number of ground contacts of every body that is not a foot
 
 
 class Geometry(NamedTuple):
@@ -106,19 +99,12 @@ class Geometry(NamedTuple):
 
 
 class Account(NamedTuple):
-    """What the plant keeps about the run.
+    """What the plant keeps about the run."""
 
-    Attributes:
-        torque: (nj,) commanded at this control tick, N·m.
-        delayed: (n + 1, nj) ring of torques, one row a physics step.
-        head: (1,) row of the ring written last.
-        start: (2,) torso position from which the excursion counts, world.
-    """
-
-    torque: Vector
-    delayed: Matrix
-    head: IntVector
-    start: Vector
+    torque: Vector  # (nj,) commanded at this control tick, N·m
+    delayed: Matrix  # (n + 1, nj) ring of torques, one row a physics step
+    head: IntVector  # (1,) row of the ring written last
+    start: Vector  # (2,) torso position from which the excursion counts, world
 
 
 class Readings(NamedTuple):

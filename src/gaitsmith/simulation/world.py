@@ -39,7 +39,7 @@ def add_ground(spec: mujoco.MjSpec, terrain: Terrain, region: Region, friction: 
         "friction": (friction, *_FALLBACK_FRICTION),
         "solref": _SOLREF,
     }
-    if terrain.has_plane:
+    if terrain.kind != "slope":
         spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), **surface)
     for block in terrain.blocks(region):
         half = block.pitch / 2

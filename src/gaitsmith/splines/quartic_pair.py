@@ -1,8 +1,8 @@
 """Two quartics joined C² at a via point: the curve of every coordinate of a leg's end (Han 2023, eqs. 1-6).
 
 The paper calls it a cubic spline. It fixes position, velocity, and acceleration at both ends and the position at the
-joint: ten conditions for ten coefficients. :func:`w_matrix` and :func:`coefficients` are the paper's equations to the
-letter, for reading and for tests; :func:`evaluate_pair` is the same curve in closed form, for the control tick.
+joint: ten conditions for ten coefficients. The paper's W matrix, to the letter, is what the tests compare the closed
+form with.
 
 Closed form. With s = t / h₀ on the first section (h₀ = t₁) and σ = (t₂ - t) / h₁ on the second (h₁ = t₂ - t₁),
 
@@ -15,43 +15,7 @@ e = (h₁ P - S) / (h₀ t₂) with P and S as in the code.
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
 from gaitsmith.compiled import Vector, kernel
-from gaitsmith.splines.polynomial import power_basis
-
-Array = npt.NDArray[np.float64]
-
-
-def time_vectors(t: float) -> Array:
-    """Rows p(t), ṗ(t), p̈(t) of eq. 1: shape (3, 5), powers of t in s⁰..s⁴ and their derivatives."""
-    return np.array([power_basis(4, t, derivative) for derivative in range(3)])
-
-
-def w_matrix(t0: float, t1: float, t2: float) -> Array:
-    """W(t0, t1, t2) of eqs. 2-4, shape (10, 10): what the ten coefficients must satisfy. Times in s, t0 < t1 < t2."""
-    at_joint = time_vectors(t1)
-    w = np.zeros((10, 10))
-    w[0:4, 0:5] = np.vstack([time_vectors(t0), at_joint[0]])
-    w[4:8, 5:10] = np.vstack([time_vectors(t2), at_joint[0]])
-    w[8:10, 0:5] = at_joint[1:]
-    w[8:10, 5:10] = -at_joint[1:]
-    return w
-
-
-def coefficients(t0: float, t1: float, t2: float, chi: Array) -> Array:
-    """Coefficients ξ of eq. 5, shape (10,): five powers of t for [t0, t1], then five for [t1, t2].
-
-    Args:
-        t0: start, s.
-        t1: joint, s.
-        t2: end, s; t0 < t1 < t2.
-        chi: (ζ₀, v₀, ψ₀, ζ₁, ζ₂, v₂, ψ₂, ζ₁, 0, 0): position, velocity, acceleration at the start, position at the
-            joint, position, velocity, acceleration at the end, position at the joint, and the two jumps at the joint.
-    """
-    solved: Array = np.asarray(np.linalg.solve(w_matrix(t0, t1, t2), chi), dtype=np.float64)
-    return solved
 
 
 @kernel
@@ -74,16 +38,10 @@ def evaluate_pair(
     zero): a late touchdown must not carry the foot on.
 
     Args:
-        t: time since the start, s.
-        t1: time of the joint, s; 0 < t1 < t2.
-        t2: time of the end, s.
-        p0: position at the start.
-        v0: velocity at the start, 1/s.
-        a0: acceleration at the start, 1/s².
-        p1: position at the joint.
-        p2: position at the end.
-        v2: velocity at the end, 1/s.
-        a2: acceleration at the end, 1/s².
+        t, t1, t2: time since the start, of the joint and of the end, s; 0 < t1 < t2.
+        p0, v0, a0: position, velocity (1/s) and acceleration (1/s²) at the start.
+        p1, p2: position at the joint and at the end.
+        v2, a2: velocity and acceleration at the end.
         out3: (3) receives position, velocity, acceleration.
     """
     if t > t2:

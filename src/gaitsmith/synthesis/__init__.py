@@ -25,17 +25,4 @@ if TYPE_CHECKING:
     from gaitsmith.synthesis.solution.plan import Planner as Planner
     from gaitsmith.synthesis.solution.plan import PlanResult as PlanResult
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "gaits.gait": "Gait",
-        "files.gait_file": "load_robot_of read_gait write_gait",
-        "motions.catalogue": "KickParameters StepParameters",
-        "motions.motion": "Motion Phase",
-        "motions.settings": "Bounds Settings",
-        "proof.verify": "verify",
-        "requests.request": "Request answer answer_file",
-        "requests.summary": "plan_document",
-        "solution.plan": "Planner PlanResult",
-    },
-)
+__getattr__, __dir__ = lazily(__name__)

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gaitsmith.robots.sole import Sole
-from gaitsmith.simulation.fall import explain
 from gaitsmith.simulation.limits import Bounds, Seen, find_hits, make_hits, remember_hits
 from gaitsmith.simulation.monitor import TILTED
+from gaitsmith.simulation.report import explain
 from gaitsmith.whole_body.legs import edge_table
 
 DT = 1e-3
