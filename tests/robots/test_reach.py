@@ -40,3 +40,11 @@ def test_the_ends_are_where_the_postures_end() -> None:
         standing_posture(robot, height - 0.1 * beyond, robot.card.gait.width)
         with pytest.raises(BadInput):
             standing_posture(robot, height + beyond, robot.card.gait.width)
+
+
+def test_heights_of_a_card_that_are_out_of_reach_are_said() -> None:
+    robot = build(
+        short() | {"gait_limits": {"height": [0.2, 0.73]}, "limits": {"left_knee": {"position": [0.05, 1.5]}}}
+    )
+    assert [note for note in robot.notes if "soles are flat from" in note]
+    assert not [note for note in load_robot("bhr_b2").notes if "soles are flat" in note]

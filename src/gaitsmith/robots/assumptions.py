@@ -34,6 +34,7 @@ VELOCITY = 4.0  # of a joint, in √(g/leg)
 TORQUES = (0.7, 0.2)  # of a joint in the legs, outside; in m g leg
 PLACEHOLDER = 2.0  # in m g leg, beyond which a torque limit limits nothing
 UPRIGHT = 0.5  # cosine; an axis nearer to the vertical than 60 degrees turns the leg
+NEAR = 0.02  # of the straight leg
 SLACK = 1e-6
 
 
@@ -208,6 +209,9 @@ def _gait(
     ranges |= limited
     if limited.get("period", (0.0, 0.0))[1] > longest * (1.0 + SLACK):
         notes.append(f"gait_limits.period: no steps longer than {longest:.3g} s are known to be survived")
+    low, high = limited.get("height", reached)
+    if low < reached[0] - NEAR * size.leg or high > reached[1] + NEAR * size.leg:
+        notes.append(f"gait_limits.height: soles are flat from {reached[0]:.3g} to {reached[1]:.3g} m only")
     for name, value in usual.items():
         if name not in given and name != "speed":
             given[name] = min(max(value, ranges[name][0]), ranges[name][1])

@@ -139,6 +139,7 @@ def describe(robot: Robot) -> dict[str, Any]:
             }
             for name in robot.joint_names
         },
+        "home": dict(zip(robot.joint_names, robot.home.tolist(), strict=True)),
         "gait": robot.card.gait.model_dump(mode="json"),
         "gait_limits": robot.card.gait_limits.model_dump(mode="json"),
         "presets": list(robot.card.presets),
