@@ -71,7 +71,9 @@ def _touching(
     turned = frame.T @ data.xmat[body].reshape(3, 3)
     data.qpos[:3] = [0.0, 0.0, height] + frame.T @ (data.xpos[body] - data.site_xpos[site])
     mujoco.mju_mat2Quat(data.qpos[3:7], turned.ravel())
-    mujoco.mj_fwdPosition(model, data)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
     ground = model.ngeom - 1 if model.geom_bodyid[-1] == 0 else 0
     points = [
         contact.pos[:2]
