@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from tests.robots.test_urdf import as_urdf, build_urdf
 from tests.simulation.standing import energy, floating, ground_height, hold, momentum, posture, robot
 
 from gaitsmith.errors import BadInput
@@ -250,3 +251,16 @@ def test_an_unknown_body_is_named(plant):
 def test_the_control_step_must_be_whole_physics_steps():
     with pytest.raises(BadInput, match="control_step"):
         Plant(robot(), control_step=0.0007)
+
+
+def test_what_is_fixed_to_the_sole_is_the_foot(tmp_path: Path) -> None:
+    """The sole's own link has no shape; the link that it is fixed to carries the load, and is no other body."""
+    root = as_urdf(robot())
+    for link in root.iter("link"):
+        for shape in link.iter("cylinder"):
+            shape.tag, shape.attrib = "box", {"size": "0.2 0.06 0.129"}
+    plant = Plant(build_urdf(root, tmp_path))
+    plant.reset(posture())
+    hold(plant, 150)
+    assert plant.truth.body_contact[0] == 0.0
+    assert plant.truth.force.sum() == pytest.approx(robot().mass * GRAVITY, rel=0.3)

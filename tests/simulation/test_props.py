@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from tests.robots.samples import bhr_text, build_model
 from tests.simulation.standing import hold, posture, robot
 
+from gaitsmith.robots import load_robot
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.props import Ball
 
@@ -44,3 +48,17 @@ def test_masses_are_changed_on_the_robot_alone():
     model, bodies = plant._model, robot().model.nbody
     np.testing.assert_allclose(model.body_mass[:bodies], 1.2 * robot().model.body_mass)
     assert model.body_mass[bodies] == FAR.mass
+
+
+def test_bodies_of_the_robots_own_scene_are_in_the_plant(tmp_path: Path) -> None:
+    crate = '<worldbody><body name="crate" pos="3 0 1"><freejoint/><geom type="box" size=".1 .1 .1"/>'
+    crate += '<inertial pos="0 0 0" mass="2" diaginertia=".01 .01 .01"/></body>'
+    with_crate = build_model(bhr_text().replace("<worldbody>", crate), tmp_path)
+    plant, alone = (Plant(each, props=(FAR,)) for each in (with_crate, load_robot("bhr_b2")))
+    assert plant.q.shape == alone.q.shape
+    for each in (plant, alone):
+        each.reset(posture())
+        for _ in range(100):
+            each.step(np.zeros(8))
+    np.testing.assert_allclose(plant.truth_buffer, alone.truth_buffer, atol=1e-9)
+    assert plant.balls[0].position == pytest.approx(alone.balls[0].position, abs=1e-9)

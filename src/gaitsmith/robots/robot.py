@@ -131,14 +131,7 @@ def describe(robot: Robot) -> dict[str, Any]:
             }
             for leg in robot.legs
         ],
-        "limits": {
-            name: {
-                "position": list(robot.card.limits[name].position),
-                "velocity": robot.card.limits[name].velocity,
-                "torque": robot.card.limits[name].torque,
-            }
-            for name in robot.joint_names
-        },
+        "limits": {name: robot.card.limits[name].model_dump(mode="json") for name in robot.joint_names},
         "home": dict(zip(robot.joint_names, robot.home.tolist(), strict=True)),
         "gait": robot.card.gait.model_dump(mode="json"),
         "gait_limits": robot.card.gait_limits.model_dump(mode="json"),
