@@ -87,6 +87,7 @@ class TourArguments(Arguments):
     force: Annotated[float, Field(ge=0.0, le=10.0), About("Factor on all punches, 0 for none", metavar="X")] = 1.0
     height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="the card's")] = None
     period: Annotated[float | None, About("Duration of one step", "s", "S", absent="the card's")] = None
+    width: Annotated[float | None, About("Half the distance of the soles", "m", "M", absent="the card's")] = None
     jobs: Jobs = 1
     out: _Folder = "runs/bench"
 

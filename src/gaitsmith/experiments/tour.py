@@ -21,7 +21,7 @@ from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.tour import LENGTH, SEGMENT, punches
 
 _STAND = 3.0  # s before the walk
-_FORWARD, _LATERAL, _TURNING = 0.153, 0.057, 0.133  # commanded at most: of √(g leg), the same, and of √(g / leg)
+_FORWARD, _LATERAL, _TURNING = 0.153, 0.057, 0.16  # commanded at most: of √(g leg), the same, and of √(g / leg)
 _BIN, _BINS = 0.05, 7  # of mass times √(gH); the last bin has no end
 _COLUMNS = ("controller", "runs", "completed\n%", "survival\ns", "position\ncm", "yaw\n°", "energy\nkJ")
 # https://github.com/rhoyn/teleop-walking-benchmark, README, results in MuJoCo: learned policies.
@@ -78,6 +78,7 @@ def run_tour(
     force: float = 1.0,
     height: float | None = None,
     period: float | None = None,
+    width: float | None = None,
     jobs: int = 1,
     out: str | Path = "runs/bench",
     progress: Progress = silent,
@@ -90,7 +91,7 @@ def run_tour(
         runs: number of run ids.
         first: the first of them.
         force: factor on all punches; 0 for none.
-        height, period: inputs of the gait; the card's if None.
+        height, period, width: inputs of the gait; the card's if None.
         jobs, out, progress: see :func:`gaitsmith.experiments.run_all`; ``tour.json`` is written to ``out`` too.
 
     Raises:
@@ -101,7 +102,8 @@ def run_tour(
     if not 0.0 <= force <= 10.0:
         raise BadInput("--force", force, "0 to 10")
     loaded = load_robot(robot)
-    gait = {name: value for name, value in (("height", height), ("period", period)) if value is not None}
+    given = {"height": height, "period": period, "width": width}
+    gait = {name: value for name, value in given.items() if value is not None}
     base = {"robot": robot, "preset": preset, "duration": _STAND + LENGTH, "rest_before": _STAND, **gait}
     scenarios = {run_id: _scenario(base, loaded, run_id, force) for run_id in range(first, first + runs)}
     store = Store(out)
