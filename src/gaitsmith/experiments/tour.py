@@ -38,7 +38,8 @@ DIFFERENCES = (
     "the start; here the state is true, control runs at 1 kHz, steps are 0.5 ms, and the robot stands for 3 s",
     "a fall there is a pelvis below 0.2 m; here a torso 60° from upright, a hip below half its height, or any body but "
     "a foot on the ground, all of which come earlier",
-    "hands stay below the shoulders instead of below the head, and are points instead of boxes",
+    "arms follow their targets by the controller instead of a joint PD of the test; hands stay below the shoulders "
+    "instead of below the head, and are points instead of boxes",
     "errors here are of waypoints whose 5 s were over; there (and in brackets) also of the one that a fall cut short",
     "here a run id gives the same result to the last bit; there it does not",
 )

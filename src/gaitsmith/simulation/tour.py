@@ -97,7 +97,9 @@ class ArmWalk:
         self._stream, self._model, self._data = RandomStream(run_id, _ARMS), robot.model, mujoco.MjData(robot.model)
         self._left, self._right, self._sign = _arms(robot, self._data)
         self._names = robot.joint_names
-        self._low, self._high = (np.asarray(of)[self._left] for of in (robot.position_low, robot.position_high))
+        ends = np.stack([robot.position_low, robot.position_high])
+        image = np.sort(self._sign * ends[:, self._right], axis=0)
+        self._low, self._high = np.maximum(ends[0, self._left], image[0]), np.minimum(ends[1, self._left], image[1])
         self._now = np.asarray(home)[self._left]
         self._from = self._to = self._now
         self._window = -1
@@ -112,7 +114,7 @@ class ArmWalk:
         if window != self._window:
             self._window, self._from, self._to = window, self._now, self._next()
         phase = min((elapsed - window * _ARM_PERIOD + _PERIOD) / _ARM_PERIOD, 1.0)
-        self._now = self._from + (self._to - self._from) * phase
+        self._now = np.clip(self._from + (self._to - self._from) * phase, self._low, self._high)
         names = [self._names[joint] for joint in (*self._left, *self._right)]
         return dict(zip(names, [*self._now.tolist(), *(self._sign * self._now).tolist()], strict=True))
 
@@ -187,7 +189,8 @@ class Guide:
         if time < self._begin + elapsed - 0.5 * self._plant.control_step:
             return []
         first, self._asked = self._asked == 0, self._asked + 1
-        return [Order(self._command(elapsed), action="walk" if first else "", told=first)]
+        command, posture = self._command(elapsed), self._arms.posture(elapsed)
+        return [Order(command, "walk" if first else "", first, posture)]
 
     def _command(self, elapsed: float) -> dict[str, Any]:
         """Speed and yaw rate towards the waypoint of a time since the walk began, s."""
