@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from tests.adoption.made_up import MadeUp
 
 from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
@@ -92,3 +94,34 @@ def test_what_is_no_biped_is_refused_in_a_sentence_that_says_what_can_walk(made:
     assert words in str(caught.value)
     assert "two legs" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@given(
+    hip=st.permutations(("roll", "pitch", "yaw")),
+    ankle=st.permutations(("pitch", "roll")),
+    slant=st.floats(-0.65, 0.65),
+    turned=st.floats(-math.pi, math.pi),
+    waist=st.integers(0, 3),
+    backward=st.sets(st.sampled_from(("roll", "pitch", "yaw"))),
+    sole=st.sampled_from(("box", "trapezoid", "line")),
+    scale=st.floats(0.3, 1.5),
+    mirrored=st.booleans(),
+)
+@settings(max_examples=60)
+def test_legs_roles_and_axes_do_not_depend_on_how_the_model_was_drawn(
+    hip: list[str],
+    ankle: list[str],
+    slant: float,
+    turned: float,
+    waist: int,
+    backward: set[str],
+    sole: str,
+    scale: float,
+    mirrored: bool,
+) -> None:
+    sides = (-1, 1) if mirrored else (1, -1)
+    made = MadeUp(tuple(hip), tuple(ankle), slant, tuple(backward), turned, waist, sole, scale=scale, sides=sides)
+    anatomy, joints = found(made)
+    assert [names[0][0] for names in joints] == ["l", "r"]
+    assert all(leg.roles == (*hip, "pitch", *ankle) for leg in anatomy.legs)
+    assert np.allclose(anatomy.axes[:2, 0], [math.cos(turned), math.sin(turned)], atol=0.1)
