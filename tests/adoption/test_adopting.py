@@ -14,7 +14,7 @@ from gaitsmith.documents import toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 
-KEYS = {"card", "robot", "legs", "inferred", "assumed", "asked", "notes", "tests", "search", "sheet"}
+KEYS = {"card", "robot", "legs", "inferred", "assumed", "asked", "notes", "tests", "search", "sheet", "advice"}
 
 
 def written(folder: Path, made: MadeUp) -> Path:

@@ -134,7 +134,7 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
         save(draw_portrait(portrait_of(robot)), folder / _PICTURE)
         document = _document(robot, name, found, anatomy, draft, [])
         document["tests"] = {test.name: test.document() for test in doctor.tests}
-        document["search"] = None if tried is None else {"rollouts": tried.rollouts, "seconds": tried.seconds}
+        document["search"] = {"rollouts": tried.rollouts if tried else 0, "seconds": tried.seconds if tried else 0.0}
         document["sheet"] = sheet
         for extra in folder.glob(f"{_RUNS}*"):
             shutil.rmtree(extra)
@@ -297,6 +297,6 @@ def _document(
         "asked": asked,
         "notes": list(robot.notes) if robot else list(found.notes),
         "tests": {},
-        "search": None,
+        "search": {"rollouts": 0, "seconds": 0.0},
         "sheet": None,
     }

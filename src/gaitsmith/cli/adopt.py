@@ -76,12 +76,12 @@ def adopt(words: list[str], program: str) -> Outcome:
     with Display("loading (the first time compiles)") as display:
         adoption = run(Wishes(**given, sole=sole, sheet=not options.no_sheet), display.advance)
     code = BAD_INPUT if adoption.card is None else DONE if adoption.ok else FELL
-    return Outcome(code, adoption.document, _lines(adoption))
+    document = adoption.document | {"advice": _advice(adoption)}
+    return Outcome(code, document, _lines(adoption, document))
 
 
-def _lines(adoption: Adoption) -> Iterator[Text]:
+def _lines(adoption: Adoption, document: dict[str, Any]) -> Iterator[Text]:
     """Legs, tests and sheet; what to do next."""
-    document = adoption.document
     for leg in document["legs"]:
         pairs = zip(leg["joints"], leg["roles"], strict=True)
         yield f"{leg['name']} leg: {', '.join(f'{name} ({role})' for name, role in pairs)}"
@@ -91,13 +91,13 @@ def _lines(adoption: Adoption) -> Iterator[Text]:
         yield f"not written: {adoption.reason}"
         yield f"give {asked['flag']}, for example {' or '.join(asked['candidates']) or 'as --help says'}"
     yield from (test.line() for test in adoption.tests)
-    if document["search"]:
+    if document["search"]["rollouts"]:
         yield f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s"
     if document["sheet"]:
         yield Table(("walked", "from", "to"), _rows(document["sheet"]))
     if adoption.card is not None:
         yield f"written: {adoption.card}"
-        yield _advice(adoption)
+        yield document["advice"]
 
 
 def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:
@@ -108,9 +108,11 @@ def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:
 
 def _advice(adoption: Adoption) -> str:
     """What to do next."""
+    if adoption.card is None:
+        return adoption.reason
     failed = [test.name for test in adoption.tests if not test.ok]
     if not failed:
-        return f"it walks: gaitsmith walk --robot {adoption.card and adoption.card.parent} --speed 0.1"
+        return f"it walks: gaitsmith walk --robot {adoption.card.parent} --speed 0.1"
     return {
         "soles": "both soles do not carry the weight: compare the picture's soles with the robot's, give --sole",
         "standing": "it does not stand still: check masses, limits and soles in the card, then gaitsmith robots check",
