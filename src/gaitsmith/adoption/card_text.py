@@ -100,7 +100,7 @@ def draft_card(
         Entry("model", model_file, ""),
         Entry("torso", torso, "the body where the two legs meet"),
     ]
-    turn = _rpy(anatomy.torso_axes)
+    turn = rpy(anatomy.torso_axes)
     if np.abs(turn).max() > 1e-4:
         header.append(Entry("torso_frame", {"rpy": turn}, f"forward from {anatomy.forward_from}; up at the zero pose"))
     if weld:
@@ -133,7 +133,7 @@ def _leg(model: mujoco.MjModel, data: mujoco.MjData, leg: LegFound, sole: SoleFo
         Entry("sole_body", model.body(sole.body).name, "what the last joint moves"),
         Entry("sole_position", [round(float(v), _DIGITS) + 0.0 for v in place], "on the sole, below the ankle"),
     ]
-    turn = _rpy(rotation.T @ sole.axes)
+    turn = rpy(rotation.T @ sole.axes)
     if np.abs(turn).max() > 1e-4:
         entries.append(Entry("sole_rpy", turn, "flat on the ground, x forward"))
     return [*entries, Entry("sole", sole.entry(), sole.source)]
@@ -149,7 +149,7 @@ def _site(model: mujoco.MjModel, data: mujoco.MjData, leg: LegFound, sole: SoleF
     return ""
 
 
-def _rpy(rotation: Array) -> list[float]:
+def rpy(rotation: Array) -> list[float]:
     """Roll, pitch and yaw about fixed axes."""
     pitch = -np.arcsin(np.clip(rotation[2, 0], -1.0, 1.0))
     roll, yaw = np.arctan2(rotation[2, 1], rotation[2, 2]), np.arctan2(rotation[1, 0], rotation[0, 0])

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitsmith.adoption.anatomy import Anatomy
+from gaitsmith.adoption.card_text import rpy
 from gaitsmith.adoption.soles import SoleFound
 from gaitsmith.errors import BadInput
 
@@ -85,10 +86,8 @@ def _with_box(content: bytes, body: str, half: Array, place: Array, rotation: Ar
         link = next((link for link in root.findall("link") if link.get("name") == body), None)
         if link is None:
             return None
-        pitch = -np.arcsin(np.clip(rotation[2, 0], -1.0, 1.0))
-        angles = (np.arctan2(rotation[2, 1], rotation[2, 2]), pitch, np.arctan2(rotation[1, 0], rotation[0, 0]))
         collision = SubElement(link, "collision", {"name": f"{body}_sole"})
-        SubElement(collision, "origin", {"xyz": _words(place), "rpy": _words(angles)})
+        SubElement(collision, "origin", {"xyz": _words(place), "rpy": _words(rpy(rotation))})
         SubElement(SubElement(collision, "geometry"), "box", {"size": _words(2.0 * half)})
     else:
         found = next((element for element in root.iter("body") if element.get("name") == body), None)

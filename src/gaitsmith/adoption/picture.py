@@ -6,15 +6,12 @@ import contextlib
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from gaitsmith.adoption.anatomy import ROLES
 from gaitsmith.errors import BadInput
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot
 from gaitsmith.view.portrait import DrawnJoint, Portrait
-
-Array = NDArray[np.float64]
 
 
 def portrait_of(robot: Robot) -> Portrait:
@@ -34,7 +31,7 @@ def portrait_of(robot: Robot) -> Portrait:
     soles = []
     for leg in robot.legs:
         site = model.site(leg.sole_site).id
-        points = np.column_stack([corners(robot, leg.name), np.zeros(len(corners(robot, leg.name)))])
+        points = np.column_stack([leg.sole.corners, np.zeros(len(leg.sole.corners))])
         soles.append(data.site_xpos[site] + points @ data.site_xmat[site].reshape(3, 3).T)
         bones.append((place[leg.sole_body], data.site_xpos[site].copy()))
     joints = [
@@ -44,13 +41,3 @@ def portrait_of(robot: Robot) -> Portrait:
     ]
     title = f"{robot.card.name}: {robot.mass:.1f} kg, {len(robot.joint_names)} joints"
     return Portrait(title, np.array(bones), joints, soles, data.subtree_com[1].copy(), robot.legs[0].joints)
-
-
-def corners(robot: Robot, leg: str) -> Array:
-    """(n, 2) corners of a leg's sole in its frame; the ends of a line."""
-    sole = next(own.sole for own in robot.legs if own.name == leg)
-    points = getattr(sole, "points", None)
-    if points:
-        return np.array(points, dtype=np.float64)
-    back, front, side = -sole.heel, sole.toe, sole.half_width
-    return np.array([[back, -side], [front, -side], [front, side], [back, side]])

@@ -17,6 +17,7 @@ from gaitsmith.robots.card import CardText, Described, LegCard
 from gaitsmith.robots.card_file import CARD_NAME, read_card
 from gaitsmith.robots.model_file import URDF_TOLERANCE, ModelFile, strip
 from gaitsmith.robots.model_text import read_model
+from gaitsmith.robots.overlaps import exclude_overlaps
 from gaitsmith.robots.robot import Array, Indices, Leg, Robot
 from gaitsmith.robots.safety import CardFolder
 from gaitsmith.robots.shapes import compiled
@@ -70,6 +71,10 @@ def build_robot(card: CardText, content: bytes, folder: CardFolder) -> Robot:
     _check_names(model, entry)
     _check_numbers(model, entry)
     _check_mass(model, card, found, label)
+    feet = {model.body(int(model.site_bodyid[model.site(sole_frame(leg)).id])).name for leg in card.legs}
+    arms = {name: angle for name, angle in found.home.items() if name not in joints}
+    if exclude_overlaps(spec, model, arms, feet, notes):
+        model, heard = compiled(spec, entry)
     names = tuple(model.joint(joint).name for joint in range(1, model.njnt))
     if model.actuator_trnid[:, 0].tolist() != list(range(1, model.njnt)):
         raise BadInput(f"{entry}: joints", list(names), "joints in the order of their bodies")
