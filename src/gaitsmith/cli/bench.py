@@ -124,9 +124,6 @@ def _draw_grids(document: dict[str, Any], options: dict[str, Any]) -> None:
     """A map of every grid of pushes, beside its numbers."""
     if not document.get("grids"):
         return
-    import logging
-
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from gaitsmith.view import draw_push_map, save
 
     for grid in document["grids"]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import logging
 import math
 import os
 import sys
@@ -98,6 +99,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
 def run(words: list[str], interrupts: Interrupts) -> int:
     """Run one command line, and turn its end into an exit code and what is printed."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
     with _streams() as out, warnings.catch_warnings():
         warnings.showwarning = _warned

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -76,7 +75,6 @@ def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None, say
     paths: list[str] = []
     with contextlib.ExitStack() as undone:
         if figures is not None:
-            logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
             from gaitsmith.view.gait_figures import write_gait_figures
 
             folder = NewFolder(figures, "--figures")

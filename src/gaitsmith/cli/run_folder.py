@@ -25,13 +25,8 @@ FIGURE_ROWS = 150_000
 _NEW = "a folder that does not exist yet"
 
 
-def check_file(name: str, inputs: Iterable[str] = (), field: str = "--out") -> Path:
-    """Absolute path of a file that can be written; a link is followed.
-
-    Args:
-        name: as the user wrote it.
-        inputs: paths that the command reads, and that it therefore must not replace.
-        field: the flag.
+def check_file(name: str, inputs: Iterable[str] = ()) -> Path:
+    """Absolute path of a file for ``--out`` that can be written; a link is followed, ``inputs`` are not replaced.
 
     Raises:
         BadInput: it is one of the inputs or something else than a file, or its folder cannot be written.
@@ -39,13 +34,13 @@ def check_file(name: str, inputs: Iterable[str] = (), field: str = "--out") -> P
     try:
         target = regular_target(name)
     except BadInput as error:
-        raise BadInput(field, name, error.valid, f"that is {error.value}") from None
+        raise BadInput("--out", name, error.valid, f"that is {error.value}") from None
     for given in inputs:
         with contextlib.suppress(OSError, ValueError):
             if os.path.samefile(given, target):
-                raise BadInput(field, name, f"another file than {given}, which is read", "choose another name")
+                raise BadInput("--out", name, f"another file than {given}, which is read", "choose another name")
     if why := why_unwritable(target.parent):
-        raise BadInput(field, name, "a file in a folder that can be written", f"{target.parent}: {why}")
+        raise BadInput("--out", name, "a file in a folder that can be written", f"{target.parent}: {why}")
     return target
 
 

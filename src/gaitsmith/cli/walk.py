@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -138,7 +137,6 @@ def _draw(folder: Path, simulation: Simulation) -> None:
             log = read_log(folder / LOG, last=FIGURE_ROWS)
             if len(log.rows) < 2:
                 return
-            logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
             from gaitsmith.view import Recording, write_figures
 
             if len(log.rows) == FIGURE_ROWS and log.time[0] > 1.0:

@@ -22,11 +22,8 @@ class Columns:
 
     def find(self, name: str) -> npt.NDArray[np.float64] | None:
         """View of the columns called ``name`` or ``name.anything``, which stand side by side; None without any."""
-        for names, buffer in self._groups:
-            places = [k for k, other in enumerate(names) if other == name or other.startswith(name + ".")]
-            if places:
-                return buffer[places[0] : places[-1] + 1]
-        return None
+        names = [other for other in self.names if other == name or other.startswith(name + ".")]
+        return self.block(names) if names else None
 
     def block(self, names: Sequence[str]) -> npt.NDArray[np.float64]:
         """View of columns that stand side by side.
