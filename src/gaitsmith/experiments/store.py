@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded
+from gaitsmith.files import read_bounded, reason
 from gaitsmith.simulation.scenario import Scenario
 from gaitsmith.simulation.summary import Summary
 
@@ -40,8 +40,7 @@ class Store:
         try:
             given.mkdir(parents=True, exist_ok=True)
         except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            raise BadInput("--out", str(folder), "a folder that can be created", reason.lower()) from None
+            raise BadInput("--out", str(folder), "a folder that can be created", reason(error)) from None
         self.path = given.resolve() / FILE
         if not os.access(self.path if self.path.exists() else given, os.W_OK):
             raise BadInput("--out", str(folder), "a folder that can be written", "choose another place")
@@ -83,8 +82,7 @@ class Store:
             finally:
                 os.close(handle)
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise BadInput(str(self.path), reason, "a file that can be written") from None
+            raise BadInput(str(self.path), reason(error), "a file that can be written") from None
         self._open_ended = False
         self._found[key] = summary
 
