@@ -17,7 +17,6 @@ from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
-from gaitsmith.template.posture import commanded
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -266,6 +265,8 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
     Raises:
         BadInput: a value outside the card's ``gait_limits``, or a preset or body that the robot does not have.
     """
+    from gaitsmith.template.posture import commanded  # compiled; help does without
+
     if scenario.preset not in robot.card.presets:
         raise BadInput("preset", scenario.preset, "one of " + ", ".join(sorted(robot.card.presets)))
     for prefix, command in [("", scenario), *((f"changes[{k}].", change) for k, change in enumerate(scenario.changes))]:
