@@ -88,6 +88,7 @@ def test_the_home_posture_is_the_robots(tmp_path: Path) -> None:
     robot = build(short(path) | {"home": {"left_elbow": -0.5}}, MODELS)
     assert robot.home[robot.joint_names.index("left_elbow")] == -0.5
     assert robot.home[robot.joint_names.index("right_elbow")] == -1.25  # 0 is its stop
+    assert any("held at" in note and "right_elbow -1.25" in note and "left_elbow" not in note for note in robot.notes)
     welded = build(short(path) | {"weld": ["right_elbow"], "home": {"right_elbow": -0.3}}, MODELS)
     assert "right_elbow" not in welded.joint_names
     assert welded.mass == robot.mass

@@ -144,6 +144,8 @@ def strip(
         raise BadInput(f"{entry}: joint on {unnamed[0]}", "", "a name for every joint")
     limits = model_limits(spec, joints, source.drives, entry, notes)
     angles = _home(joints, limits, home, keyframe, prefix)
+    if away := [name for name in angles if legs is not None and name not in (*legs, *home) and angles[name] != 0.0]:
+        notes.append(f"held at the first keyframe, or off the stops: {_angles(away, angles)}")
     for name in weld:
         if name not in joints:
             raise BadInput(f"{prefix}weld", name, f"joints of the model: {listed(joints)}")
