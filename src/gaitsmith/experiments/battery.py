@@ -126,12 +126,9 @@ class TrialOutcome:
         """What went wrong, a line each."""
         if self.unfit is not None:
             return [f"{self.trial.name}: skipped, {self.unfit}"]
-        return [
-            f"{self.trial.name}, seed {summary.seed}: fell at {summary.fall.time:.2f} s, {summary.fall.phase}: "
-            f"{summary.fall.reason}"
-            for summary in self.finished
-            if summary.fall is not None
-        ]
+        falls = [(summary.seed, summary.fall) for summary in self.finished if summary.fall is not None]
+        where = f"{self.trial.name}, seed"
+        return [f"{where} {seed}: fell at {fall.time:.2f} s, {fall.phase}: {fall.reason}" for seed, fall in falls]
 
     def document(self) -> dict[str, Any]:
         """As plain data."""
@@ -146,15 +143,13 @@ class TrialOutcome:
             "findings": [finding.document() for finding in judgement.findings],
             "scenario": self.episodes[0][0].model_dump(mode="json", exclude_none=True, exclude={"seed"}),
             "episodes": [
-                {
-                    "seed": scenario.seed,
-                    "measures": measure(summary),
-                    "fall": summary.fall.model_dump() if summary.fall else None,
-                }
-                for scenario, summary in self.episodes
-                if summary is not None
+                _episode(scenario.seed, summary) for scenario, summary in self.episodes if summary is not None
             ],
         }
+
+
+def _episode(seed: int, summary: Summary) -> dict[str, Any]:
+    return {"seed": seed, "measures": measure(summary), "fall": summary.fall.model_dump() if summary.fall else None}
 
 
 def _words(finding: Finding) -> str:

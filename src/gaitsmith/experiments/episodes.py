@@ -75,9 +75,8 @@ class Episodes:
         """What is to be said of ``total`` episodes and where they are kept, a line each."""
         lines = []
         if self.interrupted:
-            lines.append(
-                f"interrupted after {len(self.found)} of {total} episodes; the same command goes on from there"
-            )
+            done = f"interrupted after {len(self.found)} of {total} episodes"
+            lines.append(f"{done}; the same command goes on from there")
         if self.resumed:
             lines.append(f"{self.resumed} of {total} episodes found in {store.path}")
         if store.damaged:

@@ -38,8 +38,8 @@ class Search:
 
     grid: PushGrid
     resolution: float = 1.0
-    low: list[float] = field(default_factory=list)
-    high: list[float | None] = field(default_factory=list)
+    low: list[float] = field(init=False)
+    high: list[float | None] = field(init=False)
 
     def __post_init__(self) -> None:
         self.low = [0.0] * self.grid.directions
@@ -70,10 +70,7 @@ class Search:
 
     def learn(self, direction: int, impulse: float, stood: bool) -> None:
         """Narrow a bracket."""
-        if stood:
-            self.low[direction] = impulse
-        else:
-            self.high[direction] = impulse
+        (self.low if stood else self.high)[direction] = impulse
 
     def document(self) -> dict[str, Any]:
         """As plain data."""

@@ -18,6 +18,8 @@ from gaitsmith.experiments.store import Store
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.scenario import check_scenario
 
+_GRIDS: tuple[str, ...] = ("pushes", "target", "survived", "separation", "verdict")
+_LARGEST: tuple[str, ...] = ("gait", "in every direction", "by direction, N·s (0° forward, 90° to the left)")
 _STRENGTH = 0.15  # of mass times √(gH), without an impulse
 
 
@@ -82,27 +84,36 @@ def push_grids(
         grids = tuple({grid.base: grid for grid in sorted(grids, key=lambda grid: grid.impulse)}.values())
     skipped = {grid: reason for grid in grids if (reason := why_unfit([grid.scenario(Cell(0, 0))], loaded))}
     store = Store(out)
-    head = {"robot": loaded.card.name, "preset": preset, "set": set, "identity": loop_identity(loaded)}
     fit = [grid for grid in grids if grid not in skipped]
     if largest:
         searches, interrupted = search_largest(fit, loaded, store, jobs, progress)
-        result = _largest_result(head, searches, skipped, interrupted)
+        found = {"largest": [search.document() for search in searches]}
+        columns = _LARGEST
+        rows = [_largest_row(search) for search in searches]
+        notes = ["survived at all phases; an impulse above by the width of the bracket has been seen to fail"]
     else:
-        result = _run_grids(head, fit, skipped, loaded, store, jobs, progress)
+        outcomes, notes, interrupted = _run_grids(fit, loaded, store, jobs, progress)
+        found = {"grids": [outcome.document() for outcome in outcomes]}
+        columns, rows = _GRIDS, [_row(outcome) for outcome in outcomes]
+    names = {grid: grid.gait_name if largest else grid.name for grid in skipped}
+    rows += [(name, *[""] * (len(columns) - 2), "skipped") for name in names.values()]
+    notes += [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
+    head = {"robot": loaded.card.name, "preset": preset, "set": set, "identity": loop_identity(loaded)}
+    document = {
+        **head,
+        **found,
+        "skipped": {names[grid]: reason for grid, reason in skipped.items()},
+        "interrupted": interrupted,
+    }
+    result = Result(document, columns, tuple(rows), tuple(notes), interrupted)
     result.write(store.path.with_name("push_largest.json" if largest else "push.json"))
     return result
 
 
 def _run_grids(
-    head: dict[str, Any],
-    grids: Sequence[PushGrid],
-    skipped: dict[PushGrid, str],
-    robot: Robot,
-    store: Store,
-    jobs: int,
-    progress: Progress,
-) -> Result:
-    """Run every cell of every grid, and tabulate."""
+    grids: Sequence[PushGrid], robot: Robot, store: Store, jobs: int, progress: Progress
+) -> tuple[list[GridOutcome], list[str], bool]:
+    """Run every cell of every grid: what became of them, notes, and whether Ctrl-C left some out."""
     scenarios = {(grid, cell): grid.scenario(cell) for grid in grids for cell in grid.cells}
     episodes = run_all(scenarios.values(), robot, store, jobs=jobs, progress=progress, what="pushing")
     outcomes = []
@@ -114,21 +125,7 @@ def _run_grids(
         limits = ", ".join(f"{name} ({count})" for name, count in outcome.fall_limits().most_common(4))
         if limits:
             notes.append(f"{outcome.grid.name}: falls began with {limits}")
-    notes += _skip_notes(skipped)
-    rows = [_row(outcome) for outcome in outcomes]
-    rows += [(grid.name, "", "", "", "skipped") for grid in skipped]
-    return Result(
-        {
-            **head,
-            "grids": [outcome.document() for outcome in outcomes],
-            "skipped": {grid.name: reason for grid, reason in skipped.items()},
-            "interrupted": episodes.interrupted,
-        },
-        ("pushes", "target", "survived", "separation", "verdict"),
-        tuple(rows),
-        tuple(notes),
-        episodes.interrupted,
-    )
+    return outcomes, notes, episodes.interrupted
 
 
 def _row(outcome: GridOutcome) -> tuple[str, ...]:
@@ -143,38 +140,10 @@ def _row(outcome: GridOutcome) -> tuple[str, ...]:
     return grid.name, target, survived, shown("separation", closest[0] if closest else None), outcome.verdict()
 
 
-def _largest_result(
-    head: dict[str, Any], searches: Sequence[Search], skipped: dict[PushGrid, str], interrupted: bool
-) -> Result:
-    """Table of the largest impulse survived, by direction and over all."""
-    rows = []
-    for search in searches:
-        each = ", ".join(
-            f"{search.grid.degrees(i):g}°: {_bracket(low, search.high[i])}" for i, low in enumerate(search.low)
-        )
-        rows.append((search.grid.gait_name, f"{search.everywhere:g} N·s", each))
-    rows += [(grid.gait_name, "skipped", "") for grid in skipped]
-    return Result(
-        {
-            **head,
-            "largest": [search.document() for search in searches],
-            "skipped": {grid.gait_name: reason for grid, reason in skipped.items()},
-            "interrupted": interrupted,
-        },
-        ("gait", "in every direction", "by direction, N·s (0° forward, 90° to the left)"),
-        tuple(rows),
-        (
-            "survived at all phases; an impulse above by the width of the bracket has been seen to fail",
-            *_skip_notes(skipped),
-        ),
-        interrupted,
-    )
-
-
-def _bracket(low: float, high: float | None) -> str:
-    """An impulse survived, marked if no larger one has failed yet."""
-    return f"{low:g}" if high is not None else f"≥ {low:g}"
-
-
-def _skip_notes(skipped: dict[PushGrid, str]) -> list[str]:
-    return [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
+def _largest_row(search: Search) -> tuple[str, ...]:
+    """One gait in words; an impulse is marked if no larger one has failed yet."""
+    brackets = zip(search.low, search.high, strict=True)
+    each = [
+        f"{search.grid.degrees(i):g}°: {'≥ ' if high is None else ''}{low:g}" for i, (low, high) in enumerate(brackets)
+    ]
+    return search.grid.gait_name, f"{search.everywhere:g} N·s", ", ".join(each)

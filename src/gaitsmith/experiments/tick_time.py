@@ -87,21 +87,13 @@ def measure_tick(
         interrupted = True
     document["findings"] = [{"when": when, **finding.document()} for when, finding in findings]
     document["interrupted"] = interrupted
-    rows = tuple(
-        (
-            f"{when}: {_label(finding)}",
-            finding.limit.target().removeprefix(_label(finding)).strip() if finding.limit else "",
-            shown(finding.quantity, finding.value),
-            finding.verdict(),
-        )
-        for when, finding in findings
-    )
+    rows = []
+    for when, finding in findings:
+        label = QUANTITIES[finding.quantity].label
+        target = finding.limit.target().removeprefix(label).strip() if finding.limit else ""
+        rows.append((f"{when}: {label}", target, shown(finding.quantity, finding.value), finding.verdict()))
     notes.append("wall times are of this machine as busy as it is; a free core is needed to judge them")
-    return Result(document, ("what", "target", "measured", "verdict"), rows, tuple(notes), interrupted)
-
-
-def _label(finding: Finding) -> str:
-    return QUANTITIES[finding.quantity].label
+    return Result(document, ("what", "target", "measured", "verdict"), tuple(rows), tuple(notes), interrupted)
 
 
 def _finding(quantity: str, value: float) -> Finding:
@@ -114,17 +106,9 @@ def _walk(loaded: Robot, robot: str, preset: str, duration: float) -> Scenario:
     each = (duration - 1.0) / len(_SPEEDS)
     unit = momentum_unit(loaded, loaded.card.gait.height) / loaded.mass
     speeds = [round(min(max(unit * speed, low), high), 3) for speed in _SPEEDS]
-    return make_scenario(
-        {
-            "robot": robot,
-            "preset": preset,
-            "duration": duration,
-            "speed": [speeds[0], 0.0],
-            "changes": [
-                {"time": round(1.0 + k * each, 3), "speed": [speed, 0.0]} for k, speed in enumerate(speeds) if k
-            ],
-        }
-    )
+    changes = [{"time": round(1.0 + k * each, 3), "speed": [speed, 0.0]} for k, speed in enumerate(speeds) if k]
+    fields = {"robot": robot, "preset": preset, "duration": duration, "speed": [speeds[0], 0.0]}
+    return make_scenario({**fields, "changes": changes})
 
 
 def _pushed(walk: Scenario, loaded: Robot) -> Scenario:
@@ -139,13 +123,11 @@ def _pushed(walk: Scenario, loaded: Robot) -> Scenario:
 
 def _closed_loop(when: str, summary: Summary) -> list[tuple[str, Finding]]:
     """What one run says about tick, QP and loop."""
-    tick, solves = summary.tick_us, max(summary.qp.solves, 1)
+    tick = summary.tick_us
     values = {
-        "tick_median": tick.median,
-        "tick_p99": tick.p99,
-        "tick_max": tick.max,
+        **{f"tick_{name}": getattr(tick, name) for name in ("median", "p99", "max")},
         "overruns": float(tick.overruns),
-        "qp_fallbacks": summary.qp.fallbacks / solves,
+        "qp_fallbacks": summary.qp.fallbacks / max(summary.qp.solves, 1),
         "realtime_factor": summary.realtime_factor,
     }
     return [(when, _finding(quantity, value)) for quantity, value in values.items()]
