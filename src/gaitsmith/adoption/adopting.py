@@ -256,15 +256,20 @@ def _assumed(robot: Robot, found: ModelFile) -> list[Entry]:
     entries = []
     for kind in ("position", "velocity", "torque"):
         silent_joints = [name for name in robot.joint_names if getattr(found.limits[name], kind) is None]
-        values = {str(getattr(robot.card.limits[name], kind)) for name in silent_joints}
+        values = {_short(getattr(robot.card.limits[name], kind)) for name in silent_joints}
         if silent_joints:
             names = "every joint" if len(silent_joints) == len(robot.joint_names) else ", ".join(silent_joints)
-            shown = sorted(values)[0] if len(values) == 1 else sorted(values)
+            shown = min(values) if len(values) == 1 else sorted(values)
             entries.append(Entry(f"limits.*.{kind}", shown, f"a robot of this size; the model gives none for {names}"))
     for name, value in robot.card.gait.model_dump(mode="json").items():
         if value not in (0.0, [0.0, 0.0]):
-            entries.append(Entry(f"gait.{name}", value, "a robot of this size"))
+            entries.append(Entry(f"gait.{name}", _short(value), "a robot of this size"))
     return entries
+
+
+def _short(value: Any) -> Any:
+    """Numbers with four digits."""
+    return tuple(map(_short, value)) if isinstance(value, (list, tuple)) else float(f"{value:.4g}")
 
 
 def _remarks(robot: Robot, found: ModelFile, doctor: Doctor, sheet: dict[str, Any] | None) -> list[str]:
