@@ -196,7 +196,9 @@ def test_a_posture_is_checked_against_the_robot():
         with pytest.raises(BadInput, match=told) as caught:
             check_scenario(scenario, robot)
         assert caught.value.field.startswith("changes[0]: posture")
-    check_scenario(make_scenario({"changes": [{"time": 1.0, "posture": {"left_elbow": -0.5}}]}), robot)
+    scenario = make_scenario({"changes": [{"time": 1.0, "posture": {"left_elbow": -0.5}}]})
+    check_scenario(scenario, robot)
+    assert len({scenario, make_scenario(scenario.model_dump(mode="json", exclude_defaults=True))}) == 1
 
 
 def test_an_unknown_preset_names_the_known_ones():

@@ -75,6 +75,9 @@ class Change(Command):
 
         def __init__(self, **values: Any) -> None: ...
 
+    def __hash__(self) -> int:
+        return hash(self.model_dump_json())
+
     @model_validator(mode="after")
     def _changes_something(self) -> Change:
         """Refuse a change of nothing."""
