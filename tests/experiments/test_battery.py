@@ -10,7 +10,7 @@ from tests.experiments.made_up import made_up_stage, made_up_summary
 from tests.simulation.standing import robot
 
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments import battery, run_battery
+from gaitsmith.experiments import BatteryOptions, battery, run_battery
 from gaitsmith.experiments.battery import TrialOutcome
 from gaitsmith.experiments.limits import Limit, judge, measure, shown
 from gaitsmith.experiments.sets import Trial, TrialEntry, TrialSet
@@ -97,15 +97,15 @@ def test_a_battery_runs_writes_and_resumes(tmp_path, monkeypatch):
     short, unfit = make_scenario(SHORT), make_scenario({**SHORT, "height": 5.0})
     trials = (Trial(TrialEntry(name="short", report=("pitch",)), (short,)), Trial(TrialEntry(name="unfit"), (unfit,)))
     monkeypatch.setattr(battery, "load_set", lambda *_: TrialSet("made_up", robot(), trials, (), {}))
-    first = run_battery(out=tmp_path)
+    first = run_battery(BatteryOptions(out=str(tmp_path)))
     assert [row[0] for row in first.rows] == ["short", "unfit"]
     assert [row[3] for row in first.rows] == ["pass", "skipped"]
     assert any("height 5.0" in note for note in first.notes)
     assert json.loads((tmp_path / "battery.json").read_text())["verdicts"] == {"pass": 1, "skipped": 1}
-    again = run_battery(out=tmp_path)
+    again = run_battery(BatteryOptions(out=str(tmp_path)))
     assert again.document == first.document
     assert any("1 of 1 episodes found" in note for note in again.notes)
-    assert [row[0] for row in run_battery(only=["short"], out=tmp_path).rows] == ["short"]
+    assert [row[0] for row in run_battery(BatteryOptions(only=("short",), out=str(tmp_path))).rows] == ["short"]
 
 
 @pytest.mark.parametrize(
@@ -114,5 +114,5 @@ def test_a_battery_runs_writes_and_resumes(tmp_path, monkeypatch):
 )
 def test_options_that_cannot_be_used_are_named(tmp_path, options, field):
     with pytest.raises(BadInput) as caught:
-        run_battery(**options, out=tmp_path)
+        run_battery(BatteryOptions(**options, out=str(tmp_path)))
     assert caught.value.field == field

@@ -10,8 +10,9 @@ import pytest
 from tests.experiments.made_up import REASON, made_up_summary
 from tests.simulation.standing import robot
 
+from gaitsmith.documents import checked
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments import push_grids
+from gaitsmith.experiments import PushOptions, push_grids
 from gaitsmith.experiments.largest import Search, resolution_for
 from gaitsmith.experiments.limits import Limit
 from gaitsmith.experiments.push_grid import (
@@ -116,7 +117,7 @@ def test_the_bracket_shrinks_with_the_robot():
 
 
 def test_a_strength_is_an_impulse_over_mass_and_leg(tmp_path):
-    result = push_grids(strength=0.1, height=0.66, directions=1, phases=1, out=tmp_path)
+    result = push_grids(PushOptions(strength=0.1, height=0.66, directions=1, phases=1, out=str(tmp_path)))
     expected = 0.1 * robot().mass * math.sqrt(9.81 * 0.66)
     assert result.document["grids"][0]["impulse"] == pytest.approx(expected, abs=1e-3)
 
@@ -130,14 +131,14 @@ def test_bisection_ends_at_the_ceiling():
 
 def test_a_tiny_grid_really_runs_and_is_not_repeated(tmp_path):
     told = []
-    options = {"impulse": 2.0, "height": 0.66, "directions": 2, "phases": 1, "out": tmp_path}
-    first = push_grids(**options, progress=lambda *what: told.append(what))
+    options = PushOptions(impulse=2.0, height=0.66, directions=2, phases=1, out=str(tmp_path))
+    first = push_grids(options, progress=lambda *what: told.append(what))
     assert first.columns == ("pushes", "target", "survived", "separation", "verdict")
     assert told[-1] == (2, 2, "pushing")
     (grid,) = first.document["grids"]
     assert (grid["run"], grid["total"], grid["verdict"]) == (2, 2, "report")
     assert (tmp_path / "push.json").is_file()
-    again = push_grids(**options)
+    again = push_grids(options)
     assert again.document == first.document
     assert "2 of 2 episodes found" in again.notes[0]
 
@@ -145,22 +146,22 @@ def test_a_tiny_grid_really_runs_and_is_not_repeated(tmp_path):
 @pytest.mark.parametrize(
     ("options", "field"),
     [
-        ({"preset": "none"}, "--preset"),
-        ({"impulse": math.nan}, "--impulse"),
-        ({"impulse": -3.0}, "--impulse"),
-        ({"height": 9.0}, "--height"),
-        ({"period": -1.0}, "--period"),
-        ({"speed": math.inf}, "--speed"),
-        ({"strength": 0.0}, "--strength"),
-        ({"set": "none"}, "--set"),
-        ({"directions": 0}, "--directions"),
-        ({"phases": 999}, "--phases"),
+        ({"preset": "none"}, "preset"),
+        ({"impulse": math.nan}, "impulse"),
+        ({"impulse": -3.0}, "impulse"),
+        ({"height": 9.0}, "height"),
+        ({"period": -1.0}, "period"),
+        ({"speed": math.inf}, "speed"),
+        ({"strength": 0.0}, "strength"),
+        ({"set": "none"}, "set"),
+        ({"directions": 0}, "directions"),
+        ({"phases": 999}, "phases"),
     ],
 )
 def test_options_that_cannot_be_used_are_named(tmp_path, options, field):
     with pytest.raises(BadInput) as caught:
-        push_grids(**options, out=tmp_path)
-    assert caught.value.field == field
+        push_grids(checked(PushOptions, options | {"out": str(tmp_path)}))
+    assert caught.value.field.removeprefix("--") == field
 
 
 def test_grids_outside_the_card_s_limits_are_skipped(tmp_path, monkeypatch):
@@ -168,6 +169,6 @@ def test_grids_outside_the_card_s_limits_are_skipped(tmp_path, monkeypatch):
 
     grid = PushGrid(15.0, make_scenario({"height": 0.9, "period": 0.4}))
     monkeypatch.setattr(pushing, "load_set", lambda *_: TrialSet("made_up", robot(), (), (grid,), {}))
-    result = push_grids(out=tmp_path)
+    result = push_grids(PushOptions(out=str(tmp_path)))
     assert result.rows == (("15 N·s, T 0.4 s, H 0.9 m, in place", "", "", "", "skipped"),)
     assert "height 0.9" in result.notes[0]

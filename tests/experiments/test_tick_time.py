@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from tests.simulation.standing import robot
 
+from gaitsmith.documents import checked
 from gaitsmith.errors import BadInput, GaitsmithError
-from gaitsmith.experiments import measure_tick
+from gaitsmith.experiments import TickOptions, measure_tick
 from gaitsmith.experiments.tick_time import count_allocations
 from gaitsmith.simulation import Simulation
 from gaitsmith.simulation.scenario import make_scenario
@@ -24,7 +25,7 @@ def test_too_short_a_run_counts_nothing():
 
 def test_the_report_is_whole():
     told = []
-    result = measure_tick(duration=5.0, progress=lambda *what: told.append(what[:2]))
+    result = measure_tick(TickOptions(duration=5.0), progress=lambda *what: told.append(what[:2]))
     assert told == [(k, 4) for k in range(5)]
     assert not result.interrupted
     when = {(row["when"], row["quantity"]) for row in result.document["findings"]}
@@ -35,12 +36,12 @@ def test_the_report_is_whole():
 @pytest.mark.parametrize(
     ("options", "field"),
     [
-        ({"duration": 1.0}, "--duration"),
-        ({"duration": float("nan")}, "--duration"),
-        ({"preset": "none"}, "--preset"),
+        ({"duration": 1.0}, "duration"),
+        ({"duration": float("nan")}, "duration"),
+        ({"preset": "none"}, "preset"),
     ],
 )
 def test_options_that_cannot_be_used_are_named(options, field):
     with pytest.raises(BadInput) as caught:
-        measure_tick(**options)
-    assert caught.value.field == field
+        measure_tick(checked(TickOptions, options))
+    assert caught.value.field.removeprefix("--") == field

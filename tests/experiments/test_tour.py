@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 from tests.experiments.made_up import made_up_summary
 
+from gaitsmith.documents import checked
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments import run_tour
+from gaitsmith.experiments import TourOptions, run_tour
 from gaitsmith.experiments import tour as module
 from gaitsmith.experiments.episodes import Episodes
 from gaitsmith.simulation import Scenario
@@ -37,7 +38,7 @@ def _episodes(wanted: Any, *_: Any, **__: Any) -> Episodes:
 @pytest.fixture
 def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     monkeypatch.setattr(module, "run_all", _episodes)
-    return run_tour(runs=4, out=tmp_path).document
+    return run_tour(TourOptions(runs=4, out=str(tmp_path))).document
 
 
 def test_survival_counts_from_the_beginning_of_the_walk(document: dict[str, Any]) -> None:
@@ -71,7 +72,7 @@ def test_commands_stay_within_the_card(tmp_path: Path, monkeypatch: pytest.Monke
         return _episodes(seen, *given, **more)
 
     monkeypatch.setattr(module, "run_all", keep)
-    result = run_tour(runs=2, force=0.0, height=0.6, out=tmp_path)
+    result = run_tour(TourOptions(runs=2, force=0.0, height=0.6, out=str(tmp_path)))
     assert all(scenario.tour is not None and scenario.tour.yaw_rate == 0.0 for scenario in seen)  # its legs cannot turn
     assert all(scenario.height == 0.6 and scenario.pushes == () for scenario in seen)
     assert not any("falls per punch" in note for note in result.notes)
@@ -82,4 +83,4 @@ def test_commands_stay_within_the_card(tmp_path: Path, monkeypatch: pytest.Monke
 @pytest.mark.parametrize(("field", "value"), [("runs", 0), ("force", -1.0), ("height", 9.0)])
 def test_numbers_out_of_range_are_refused(field: str, value: float, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=field):
-        run_tour(**{field: value}, out=tmp_path)  # type: ignore[arg-type]
+        run_tour(checked(TourOptions, {field: value, "out": str(tmp_path)}))

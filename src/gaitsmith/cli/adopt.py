@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from gaitsmith.cli.arguments import Arguments, Jobs, Positional, parse
+from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome, Table, Text
 from gaitsmith.documents import About
+from gaitsmith.experiments.options import Jobs
 
 if TYPE_CHECKING:
     from gaitsmith.adoption.adopting import Adoption

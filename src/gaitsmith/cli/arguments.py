@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, Field, create_model
+from pydantic import BaseModel, create_model
 
 from gaitsmith.documents import About, Frozen, about, checked, nearest, plain, span
 from gaitsmith.errors import BadInput
@@ -35,14 +35,11 @@ class Arguments(Frozen):
     json_: Annotated[bool, About("Print one JSON document instead of text", flag="--json")] = False
 
 
-RobotName = Annotated[str, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH")]
 OwnRobot = Annotated[
     str | None,
     About("The robot it was planned for, if not one of the package", metavar="NAME_OR_PATH", absent="the one it names"),
 ]
 GaitFile = Annotated[str, Positional("Gait file", metavar="GAIT")]
-Preset = Annotated[str, About("Control parameters of the card", metavar="NAME")]
-Jobs = Annotated[int, Field(ge=1, le=256), About("Processes", metavar="N")]
 
 
 def overriding(

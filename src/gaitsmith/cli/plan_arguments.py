@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from gaitsmith.cli.arguments import Arguments, Positional, RobotName, flag
+from gaitsmith.cli.arguments import Arguments, Positional, flag
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
+from gaitsmith.experiments.options import RobotName
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import LEG, Bounds, Settings
 from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOST_CYCLES, RANGES, Request, stride

@@ -5,46 +5,32 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.episodes import loop_identity, run_all, why_unfit
 from gaitsmith.experiments.limits import QUANTITIES, Finding, Judgement, judge, measure, shown
+from gaitsmith.experiments.options import BatteryOptions
 from gaitsmith.experiments.result import Progress, Result, silent
 from gaitsmith.experiments.sets import Trial, load_set
 from gaitsmith.experiments.store import Store
 from gaitsmith.simulation import Scenario, Summary
 
 
-def run_battery(
-    set: str = "walks",
-    robot: str | None = None,
-    preset: str = "default",
-    gait: str | None = None,
-    only: Sequence[str] = (),
-    jobs: int = 1,
-    out: str | Path = "runs/bench",
-    progress: Progress = silent,
-) -> Result:
-    """Run the trials of a set.
+def run_battery(options: BatteryOptions, progress: Progress = silent) -> Result:
+    """Run the trials of a set; ``battery.json`` is written to the folder of results too.
 
     A trial that needs an input or a preset that the robot's card does not have is skipped, and says so.
-
-    Args:
-        set, robot, preset, gait: see :func:`gaitsmith.experiments.load_set`.
-        only: names of the trials to run; all if empty.
-        jobs, out, progress: see :func:`gaitsmith.experiments.run_all`; ``battery.json`` is written to ``out`` too.
 
     Raises:
         BadInput: unknown set, trial or preset, or the robot or the folder cannot be used.
     """
-    chosen = load_set(set, robot, preset, gait)
-    loaded, trials = chosen.robot, _chosen(chosen.trials, only)
-    store = Store(out)
+    chosen = load_set(options.set, options.robot, options.preset, options.gait)
+    loaded, trials = chosen.robot, _chosen(chosen.trials, options.only)
+    store = Store(options.out)
     unfit = {trial.name: reason for trial in trials if (reason := why_unfit(trial.scenarios, loaded))}
     wanted = [scenario for trial in trials if trial.name not in unfit for scenario in trial.scenarios]
-    episodes = run_all(wanted, loaded, store, jobs=jobs, progress=progress, what="walking")
+    episodes = run_all(wanted, loaded, store, jobs=options.jobs, progress=progress, what="walking")
     outcomes = [
         TrialOutcome(trial, tuple((s, episodes.found.get(s)) for s in trial.scenarios), unfit.get(trial.name))
         for trial in trials
@@ -52,8 +38,8 @@ def run_battery(
     counts = Counter(outcome.verdict for outcome in outcomes)
     document = {
         "robot": loaded.card.name,
-        "preset": preset,
-        "set": set,
+        "preset": options.preset,
+        "set": options.set,
         "identity": loop_identity(loaded),
         "trials": [outcome.document() for outcome in outcomes],
         "verdicts": dict(counts),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.episodes import loop_identity, run_all, why_unfit
 from gaitsmith.experiments.largest import Search, search_largest
 from gaitsmith.experiments.limits import shown
+from gaitsmith.experiments.options import PushOptions
 from gaitsmith.experiments.push_grid import Cell, GridOutcome, PushGrid, momentum_unit
 from gaitsmith.experiments.result import Progress, Result, silent
 from gaitsmith.experiments.sets import load_set, walking
@@ -23,44 +23,20 @@ _LARGEST: tuple[str, ...] = ("gait", "in every direction", "by direction, N·s (
 _STRENGTH = 0.15  # of mass times √(gH), without an impulse
 
 
-def push_grids(
-    set: str = "walks",
-    robot: str | None = None,
-    preset: str = "default",
-    gait: str | None = None,
-    impulse: float | None = None,
-    strength: float | None = None,
-    speed: Sequence[float] | None = None,
-    height: float | None = None,
-    period: float | None = None,
-    directions: int | None = None,
-    phases: int | None = None,
-    largest: bool = False,
-    jobs: int = 1,
-    out: str | Path = "runs/bench",
-    progress: Progress = silent,
-) -> Result:
+def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
     """Push the walking robot; see :class:`gaitsmith.experiments.PushGrid`.
 
     Without ``impulse``, ``strength``, ``speed``, ``height`` and ``period`` all grids of the set are run; those whose
     walk the robot's card does not allow are skipped. With one of them a single grid is run, of a strength of 0.15,
-    in place, at the card's height and period where not given.
-
-    Args:
-        set, robot, preset, gait: see :func:`gaitsmith.experiments.load_set`.
-        impulse, strength: N·s, and the same over mass times √(gH).
-        speed, height, period: inputs of the gait.
-        directions, phases: numbers of them; the set's, or 8 and 12.
-        largest: search, for each gait, the largest impulse that is survived at all phases, direction by direction.
-        jobs, out, progress: see :func:`gaitsmith.experiments.run_all`; ``push.json`` or ``push_largest.json`` is
-            written to ``out`` too.
+    in place, at the card's height and period where not given. ``push.json`` or ``push_largest.json`` is written to the
+    folder of results too.
 
     Raises:
         BadInput: an option, the robot, or the folder cannot be used.
     """
-    chosen = load_set(set, robot, preset, gait)
-    loaded, grids = chosen.robot, chosen.grids
-    walk = {"speed": speed, "height": height, "period": period}
+    chosen = load_set(options.set, options.robot, options.preset, options.gait)
+    loaded, grids, impulse, strength = chosen.robot, chosen.grids, options.impulse, options.strength
+    walk = {name: getattr(options, name) for name in ("speed", "height", "period")}
     single = impulse is not None or strength is not None or any(value is not None for value in walk.values())
     if single:
         try:
@@ -73,40 +49,38 @@ def push_grids(
         if not 0.0 < size <= 1000.0:
             raise BadInput("--impulse" if strength is None else "--strength", size, "more than 0 to 1000 N·s")
         grids = (PushGrid(round(size, 3), base),)
-    counts = {"directions": directions, "phases": phases}
-    for name, value in counts.items():
-        if value is not None and not 1 <= value <= 360:
-            raise BadInput(f"--{name}", value, "1 to 360")
+    counts = {"directions": options.directions, "phases": options.phases}
     changed: dict[str, Any] = {name: value for name, value in counts.items() if value is not None}
     if changed:
         grids = tuple(replace(grid, least=None, goal=None, **changed) for grid in grids)
-    if largest:  # the gaits of the set, each once, beginning with its largest impulse
+    if options.largest:  # the gaits of the set, each once, beginning with its largest impulse
         grids = tuple({grid.base: grid for grid in sorted(grids, key=lambda grid: grid.impulse)}.values())
     skipped = {grid: reason for grid in grids if (reason := why_unfit([grid.scenario(Cell(0, 0))], loaded))}
-    store = Store(out)
+    store = Store(options.out)
     fit = [grid for grid in grids if grid not in skipped]
-    if largest:
-        searches, interrupted = search_largest(fit, loaded, store, jobs, progress)
+    if options.largest:
+        searches, interrupted = search_largest(fit, loaded, store, options.jobs, progress)
         found = {"largest": [search.document() for search in searches]}
         columns = _LARGEST
         rows = [_largest_row(search) for search in searches]
         notes = ["survived at all phases; an impulse above by the width of the bracket has been seen to fail"]
     else:
-        outcomes, notes, interrupted = _run_grids(fit, loaded, store, jobs, progress)
+        outcomes, notes, interrupted = _run_grids(fit, loaded, store, options.jobs, progress)
         found = {"grids": [outcome.document() for outcome in outcomes]}
         columns, rows = _GRIDS, [_row(outcome) for outcome in outcomes]
-    names = {grid: grid.gait_name if largest else grid.name for grid in skipped}
+    names = {grid: grid.gait_name if options.largest else grid.name for grid in skipped}
     rows += [(name, *[""] * (len(columns) - 2), "skipped") for name in names.values()]
     notes += [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
-    head = {"robot": loaded.card.name, "preset": preset, "set": set, "identity": loop_identity(loaded)}
+    head = {"robot": loaded.card.name, "preset": options.preset, "set": options.set}
     document = {
         **head,
+        "identity": loop_identity(loaded),
         **found,
         "skipped": {names[grid]: reason for grid, reason in skipped.items()},
         "interrupted": interrupted,
     }
     result = Result(document, columns, tuple(rows), tuple(notes), interrupted)
-    result.write(store.path.with_name("push_largest.json" if largest else "push.json"))
+    result.write(store.path.with_name("push_largest.json" if options.largest else "push.json"))
     return result
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import gaitsmith
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.experiments.limits import QUANTITIES, Finding, Limit, shown
+from gaitsmith.experiments.options import TickOptions
 from gaitsmith.experiments.push_grid import momentum_unit
 from gaitsmith.experiments.result import Progress, Result, silent
 from gaitsmith.robots import Robot, load_robot
@@ -39,22 +40,13 @@ _LIMITS = {
 }
 
 
-def measure_tick(
-    robot: str = "bhr_b2", preset: str = "default", duration: float = 20.0, progress: Progress = silent
-) -> Result:
+def measure_tick(options: TickOptions, progress: Progress = silent) -> Result:
     """Measure the control tick in closed loop, without and with pushes; the times are those of this machine now.
 
-    Args:
-        robot: name or path.
-        preset: control parameters of the card.
-        duration: simulated time of each walk, s, 5 to 600.
-        progress: told of the measurements done.
-
     Raises:
-        BadInput: an option or the robot cannot be used.
+        BadInput: the robot or the preset cannot be used.
     """
-    if not 5.0 <= duration <= 600.0:
-        raise BadInput("--duration", duration, "5 to 600 s")
+    robot, preset, duration = options.robot, options.preset, options.duration
     loaded = load_robot(robot)
     if preset not in loaded.card.presets:
         raise BadInput("--preset", preset, "one of " + ", ".join(sorted(loaded.card.presets)))

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from gaitsmith.errors import BadInput
 from gaitsmith.experiments.episodes import loop_identity, run_all
+from gaitsmith.experiments.options import TourOptions
 from gaitsmith.experiments.push_grid import momentum_unit
 from gaitsmith.experiments.result import Progress, Result, silent
 from gaitsmith.experiments.sets import leg_length
@@ -71,44 +70,20 @@ class _Run(NamedTuple):
         return [(size, self.summary.fell and k == len(landed) - 1) for k, size in enumerate(landed)]
 
 
-def run_tour(
-    robot: str = "bhr_b2",
-    preset: str = "default",
-    runs: int = 32,
-    first: int = 0,
-    force: float = 1.0,
-    height: float | None = None,
-    period: float | None = None,
-    width: float | None = None,
-    jobs: int = 1,
-    out: str | Path = "runs/bench",
-    progress: Progress = silent,
-) -> Result:
-    """Run the test; see :mod:`gaitsmith.simulation.tour`.
-
-    Args:
-        robot: name or path.
-        preset: control parameters of the card.
-        runs: number of run ids.
-        first: the first of them.
-        force: factor on all punches; 0 for none.
-        height, period, width: inputs of the gait; the card's if None.
-        jobs, out, progress: see :func:`gaitsmith.experiments.run_all`; ``tour.json`` is written to ``out`` too.
+def run_tour(options: TourOptions, progress: Progress = silent) -> Result:
+    """Run the test; see :mod:`gaitsmith.simulation.tour`. ``tour.json`` is written to the folder of results too.
 
     Raises:
         BadInput: an option, the robot or the folder cannot be used.
     """
-    if not 1 <= runs <= 10_000:
-        raise BadInput("--runs", runs, "1 to 10000")
-    if not 0.0 <= force <= 10.0:
-        raise BadInput("--force", force, "0 to 10")
-    loaded = load_robot(robot)
-    given = {"height": height, "period": period, "width": width}
+    loaded, first, runs, height = load_robot(options.robot), options.first, options.runs, options.height
+    robot, preset, force = options.robot, options.preset, options.force
+    given = {"height": height, "period": options.period, "width": options.width}
     gait = {name: value for name, value in given.items() if value is not None}
     base = {"robot": robot, "preset": preset, "duration": _STAND + LENGTH, "rest_before": _STAND, **gait}
     scenarios = {run_id: _scenario(base, loaded, run_id, force) for run_id in range(first, first + runs)}
-    store = Store(out)
-    episodes = run_all(scenarios.values(), loaded, store, jobs=jobs, progress=progress, what="touring")
+    store = Store(options.out)
+    episodes = run_all(scenarios.values(), loaded, store, jobs=options.jobs, progress=progress, what="touring")
     done = [
         _Run(run_id, scenario, summary)
         for run_id, scenario in scenarios.items()

@@ -1,0 +1,91 @@
+"""What can be asked of the experiments; the fields are the options of ``gaitsmith bench``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from gaitsmith.documents import About, Frozen
+
+RobotName = Annotated[str, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH")]
+Preset = Annotated[str, About("Control parameters of the card", metavar="NAME")]
+Jobs = Annotated[int, Field(ge=1, le=256), About("Processes", metavar="N")]
+_Set = Annotated[str, About("Set of trials and grids of the package, or a TOML file", metavar="NAME_OR_FILE")]
+_Robot = Annotated[
+    str | None, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH", absent="the set's")
+]
+_Gait = Annotated[str | None, About("A planned gait to walk", metavar="FILE", absent="the template")]
+_Folder = Annotated[str, About("Folder of results; runs found there are not repeated", metavar="DIR")]
+
+
+class TickOptions(Frozen):
+    """Measure one control tick: template, inverse kinematics, whole-body QP and joint torques."""
+
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    duration: Annotated[float, Field(ge=5.0, le=600.0), About("Simulated time that is measured", "s", "S")] = 20.0
+
+
+class PushOptions(Frozen):
+    """Push the walking robot in every direction at every phase of the stride.
+
+    Without a walk or an impulse of its own it runs the grids of a set; with one of them it runs that single grid.
+    """
+
+    set: _Set = "walks"
+    robot: _Robot = None
+    preset: Preset = "default"
+    gait: _Gait = None
+    impulse: Annotated[
+        float | None, About("Impulse of 0.1 s at the torso's centre of mass", "N·s", "N·s", absent="standard")
+    ] = None
+    strength: Annotated[
+        float | None, About("The impulse over mass times √(gH) instead", metavar="X", absent="standard")
+    ] = None
+    speed: Annotated[
+        tuple[float, float] | None, About("Forward and lateral speed", "m/s", "VX [VY]", absent="standard")
+    ] = None
+    height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="standard")] = None
+    period: Annotated[float | None, About("Duration of one step", "s", "S", absent="standard")] = None
+    directions: Annotated[
+        int | None,
+        Field(ge=1, le=360),
+        About("Directions, evenly around the robot", metavar="N", absent="the set's, or 8"),
+    ] = None
+    phases: Annotated[
+        int | None, Field(ge=1, le=360), About("Phases, evenly over one stride", metavar="N", absent="the set's, or 12")
+    ] = None
+    largest: Annotated[bool, About("Search the largest impulse survived in every direction instead")] = False
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
+
+
+class BatteryOptions(Frozen):
+    """Run the trials of a set: speeds, heights, slopes, boxes, noise, each against its target."""
+
+    set: _Set = "walks"
+    robot: _Robot = None
+    preset: Preset = "default"
+    gait: _Gait = None
+    only: Annotated[tuple[str, ...], About("Run these trials only", metavar="NAME")] = ()
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
+
+
+class TourOptions(Frozen):
+    """Run the public teleoperation test of walking: 90 s, 18 waypoints, 18 punches.
+
+    The table has our row beside published ones, and says what is different.
+    """
+
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    runs: Annotated[int, Field(ge=1, le=10_000), About("Run ids", metavar="N")] = 32
+    first: Annotated[int, Field(ge=0, lt=2**31), About("The first of them", metavar="ID")] = 0
+    force: Annotated[float, Field(ge=0.0, le=10.0), About("Factor on all punches, 0 for none", metavar="X")] = 1.0
+    height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="the card's")] = None
+    period: Annotated[float | None, About("Duration of one step", "s", "S", absent="the card's")] = None
+    width: Annotated[float | None, About("Half the distance of the soles", "m", "M", absent="the card's")] = None
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
