@@ -61,7 +61,7 @@ def test_check_lets_it_stand(capsys: pytest.CaptureFixture[str]) -> None:
         ('knee = "left_knee"', 'knee = "left_elbow"', "left_elbow"),
         ('model = "bhr_b2.xml"', 'model = "../bhr_b2.xml"', "model"),
         ("height = 0.70", "height = 3.0", "height"),
-        ("schema_version = 1", "schema_version = 99", "schema_version"),
+        ("schema_version = 2", "schema_version = 99", "schema_version"),
     ],
 )
 def test_a_bad_card_is_one_line(
@@ -87,3 +87,14 @@ def test_an_unknown_robot_is_refused_with_the_names(capsys: pytest.CaptureFixtur
     assert json.loads(captured.out)["error"]["field"] == "ROBOT"
     assert "bhr_b2" in captured.err
     assert "gaitsmith robots list" in captured.err
+
+
+def test_an_old_card_is_used_with_a_note(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "robot"
+    shutil.copytree(CARD, folder)
+    card = folder / "card.toml"
+    card.write_text(card.read_text().replace("schema_version = 2", "schema_version = 1", 1))
+    assert main(["robots", "check", str(folder), "--no-tests"]) == 0
+    captured = capsys.readouterr()
+    assert "schema_version 1" in captured.out
+    assert captured.err.count("presets") == 1

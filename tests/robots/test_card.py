@@ -88,7 +88,7 @@ CASES: list[tuple[tuple[str | int, ...], Any, str]] = [
     (("imu_site",), "", "imu_site"),
     (("model",), "none.xml", "model"),
     (("model",), "card.toml", "card.toml"),
-    (("schema_version",), 2, "schema_version"),
+    (("schema_version",), 3, "schema_version"),
     (("colour",), "red", "colour"),
     (("gait", "height"), 0.8, "gait.height"),
     (("gait", "period"), -0.4, "gait.period"),

@@ -37,3 +37,13 @@ def test_refuses_other_content_in_one_line(tmp_path: Path, content: bytes) -> No
         read_card(path)
     assert "card.toml" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_card_of_version_1_keeps_all_but_its_presets() -> None:
+    now = card_data()
+    old = now | {"schema_version": 1, "presets": {"default": {"foothold": {"integral_gain": [0.12, 0.03]}}}}
+    card = parse_card(old)
+    assert card.presets.keys() == {"default"}
+    assert card.presets["default"].model_dump(exclude_none=True) == {}
+    kept = parse_card(now).model_dump(exclude={"presets", "schema_version"})
+    assert card.model_dump(exclude={"presets", "schema_version"}) == kept

@@ -255,3 +255,20 @@ def test_meshes_are_found_from_the_file_that_names_them(tmp_path: Path) -> None:
         shapes.write_text(part.replace("NAME", name))
         with pytest.raises(BadInput, match="below the card's folder"):
             build(data, tmp_path / "robot")
+
+
+def test_a_torso_above_the_waist_is_told_where_the_legs_meet(tmp_path: Path) -> None:
+    text = bhr_text()
+    head, tail = text.split('<body name="torso" pos="0 0 0.7">\n      <freejoint name="root"/>')
+    chest = (
+        '<body name="chest" pos="0 0 0.7"><freejoint name="root"/>'
+    chest += '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    )
+    waist = '<body name="torso"><joint name="waist" axis="0 0 1" range="-1 1" actuatorfrcrange="-50 50"/>'
+    body, rest = tail.rsplit("</worldbody>", 1)
+    text = f"{head}{chest}{waist}{body}</body></worldbody>{rest}"
+    data = card_data() | {"mass": 40.898}
+    assert "waist" in build_model(text, tmp_path, data).joint_names
+    data.pop("imu_site")
+    with pytest.raises(BadInput, match="torso: got 'chest', expected the body where the legs meet, torso"):
+        build_model(text, tmp_path, data | {"torso": "chest"})

@@ -143,6 +143,10 @@ def test_other_bodies_of_a_scene_are_not_the_robot(tmp_path: Path) -> None:
     assert "ball" not in [body.name for body in file.spec.bodies]
     assert file.scene is not None
     assert [body.name for body in file.scene.worldbody.bodies] == ["ball"]
+    (tmp_path / "m.xml").write_text(text.replace('size=".1"', 'size="-.1"'))
+    alone = open_model(tmp_path / "m.xml")
+    assert alone.scene is None
+    assert any("MuJoCo refuses, ball" in note and "size" in note for note in alone.notes)
 
 
 def test_torque_limits_are_what_the_actuators_can_give(tmp_path: Path) -> None:

@@ -95,7 +95,7 @@ def draft_card(
     """
     torso = model.body(anatomy.torso).name
     header = [
-        Entry("schema_version", 1, ""),
+        Entry("schema_version", 2, ""),
         Entry("name", name, ""),
         Entry("model", model_file, ""),
         Entry("torso", torso, "the body where the two legs meet"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 from gaitsmith.errors import BadInput
@@ -20,11 +21,21 @@ def named_robot(name: str, field: str = "--robot") -> Robot:
     from gaitsmith.robots import load_robot
 
     try:
-        return load_robot(name)
+        robot = load_robot(name)
     except BadInput as error:
         if error.field == "robot":
             raise BadInput(field, error.value, error.valid, "see gaitsmith robots list") from None
         raise
+    tell_old_card(robot)
+    return robot
+
+
+def tell_old_card(robot: Robot) -> None:
+    """Say on stderr what an old card no longer means."""
+    from gaitsmith.robots.card_file import OLD_NOTE
+
+    if OLD_NOTE in robot.notes:
+        sys.stderr.write(f"gaitsmith: note: {OLD_NOTE}\n")
 
 
 def planned_gait(path: str, robot: str | None, allow_edited: bool = False) -> tuple[Gait, Robot, bool]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, parse
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
+from gaitsmith.cli.inputs import tell_old_card
 from gaitsmith.cli.interrupts import stop_if_heard
 from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, NewFolder, check_new_folder, scenario_toml, write_summary
 from gaitsmith.cli.walk_report import report
@@ -103,6 +104,7 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
     with Display("loading (the first time compiles)") as display:
         try:
             simulation = Simulation(scenario, record=made.log if made else False)
+            tell_old_card(simulation.robot)
             if made is not None:
                 write_text_atomic(made.path / "scenario.toml", scenario_toml(_portable(scenario)))
             name, end = f"walking {simulation.robot.card.name}", scenario.duration

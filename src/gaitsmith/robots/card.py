@@ -75,7 +75,7 @@ class Described(Parameters):
     """What every card says, whether or not the loader has filled in the rest.
 
     Attributes:
-        schema_version: 1.
+        schema_version: 2; 1 is read without its presets, see `card_file`.
         model: MJCF or URDF file, relative to the card's folder.
         torso: body that carries the free joint.
         legs: left and right, in any order.
@@ -90,7 +90,7 @@ class Described(Parameters):
         BadInput: entries contradict each other.
     """
 
-    schema_version: Literal[1]
+    schema_version: Literal[1, 2]
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]{1,64}$")]
     description: str = ""
     model: Annotated[str, Field(min_length=1, max_length=500)]
@@ -114,7 +114,8 @@ class Described(Parameters):
             _check_leg(leg, f"legs[{index}]")
         first, second = self.legs
         if shared := sorted(set(first.joints) & set(second.joints)):
-            raise BadInput("legs[1].joints", shared, "joints that the other leg does not have")
+            valid = "joints that the other leg does not have"
+            raise BadInput("legs[1].joints", shared, valid, "as torso name the body where the legs meet")
         if len(first.joints) != len(second.joints):
             raise BadInput("legs[1].joints", list(second.joints), f"{len(first.joints)} joints, as in legs[0]")
         for entry, given in (("home", self.home), ("weld", self.weld)):

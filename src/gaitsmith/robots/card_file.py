@@ -9,6 +9,8 @@ from gaitsmith.documents import checked, read_toml
 from gaitsmith.robots.card import CardText
 
 CARD_NAME = "card.toml"
+OLD_VERSION = 1
+OLD_NOTE = "a card of schema_version 1: its presets are gains of earlier control laws, the defaults are used instead"
 
 
 def read_card(path: Path) -> tuple[CardText, bytes]:
@@ -31,6 +33,8 @@ def parse_card(data: dict[str, Any], source: str = CARD_NAME) -> CardText:
     Raises:
         BadInput: names the entry, as in ``card.toml: legs[0].sole.toe``.
     """
+    if data.get("schema_version") == OLD_VERSION:
+        data = {name: value for name, value in data.items() if name != "presets"}
     presets = data.get("presets", {})
     if isinstance(presets, dict):
         default = presets.get("default", {})

@@ -14,7 +14,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.assembly import assemble, set_limits, sole_frame
 from gaitsmith.robots.assumptions import completed
 from gaitsmith.robots.card import CardText, Described, LegCard
-from gaitsmith.robots.card_file import CARD_NAME, read_card
+from gaitsmith.robots.card_file import CARD_NAME, OLD_NOTE, OLD_VERSION, read_card
 from gaitsmith.robots.model_file import URDF_TOLERANCE, ModelFile, strip
 from gaitsmith.robots.model_text import read_model
 from gaitsmith.robots.overlaps import exclude_overlaps
@@ -65,7 +65,7 @@ def build_robot(card: CardText, content: bytes, folder: CardFolder) -> Robot:
     label, entry = folder.label, Path(card.model).name
     joints = [name for leg in card.legs for name in leg.joints]
     found = strip(read_model(folder, card.model), label, card.torso, card.weld, card.ignore, card.home, joints)
-    notes = list(found.notes)
+    notes = [OLD_NOTE] * (card.schema_version == OLD_VERSION) + list(found.notes)
     spec = assemble(found, card, label, notes)
     model, heard = compiled(spec, entry)
     _check_names(model, entry)
@@ -186,6 +186,13 @@ def _leg(
         if lower != upper or indices != sorted(indices):
             valid = "a chain from hip to ankle that carries the sole"
             raise BadInput(f"{field}.joints[{place}]", leg.joints[place], valid)
+    above = int(model.body_parentid[chain[0]])
+    meet = model.body(above).name
+    while above not in (0, torso) and not model.body_jntnum[above]:
+        above = int(model.body_parentid[above])
+    if above != torso:
+        valid = f"the body where the legs meet, {meet}"
+        raise BadInput(f"{label}: torso", card.torso, valid, "what lies above it then follows its posture")
     sole_axes = rotation.T @ data.site_xmat[site.id].reshape(3, 3)
     if min(sole_axes[0, 0], sole_axes[2, 2]) < UPRIGHT:
         wrong = "sole_site" if leg.sole_site else "sole_rpy"

@@ -197,7 +197,11 @@ def _part(spec: mujoco.MjSpec, root: str, entry: str, notes: list[str]) -> mujoc
         for name in {body.name for body in scene.worldbody.bodies} - set(shown):
             scene.delete(scene.body(name))
         drop_dangling(scene)
-        compiled(scene.copy(), entry)
+        try:
+            compiled(scene.copy(), entry)
+        except BadInput as error:  # what the robot does not need costs the robot nothing
+            notes.append(f"left out, bodies of the scene that MuJoCo refuses, {listed(shown)}: {error.remedy}")
+            return None
         notes.append(f"bodies of the scene are in the plant, unknown to the control: {listed(shown)}")
     return scene
 

@@ -23,6 +23,7 @@ from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.log.columns import Columns
 from gaitsmith.log.record import DECIMATION, Log, Recorder, Scratch, new_file, read_back
 from gaitsmith.robots import Robot, load_robot
+from gaitsmith.robots.footing import check_soles
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
@@ -94,6 +95,8 @@ class Simulation:
     ) -> None:
         self.scenario = scenario
         self.robot = robot if robot is not None else load_robot(scenario.robot)
+        if robot is None:
+            check_soles(self.robot)
         check_scenario(scenario, self.robot)
         self._gait = GaitParameters.model_validate({**self.robot.card.gait.model_dump(), **scenario.given()})
         self.controller = controller or Controller(
