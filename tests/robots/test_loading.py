@@ -261,8 +261,7 @@ def test_a_torso_above_the_waist_is_told_where_the_legs_meet(tmp_path: Path) -> 
     text = bhr_text()
     head, tail = text.split('<body name="torso" pos="0 0 0.7">\n      <freejoint name="root"/>')
     chest = (
-        '<body name="chest" pos="0 0 0.7"><freejoint name="root"/>'
-    chest += '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        '<body name="chest" pos="0 0 0.7"><freejoint name="root"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
     )
     waist = '<body name="torso"><joint name="waist" axis="0 0 1" range="-1 1" actuatorfrcrange="-50 50"/>'
     body, rest = tail.rsplit("</worldbody>", 1)
