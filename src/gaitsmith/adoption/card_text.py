@@ -17,6 +17,7 @@ from gaitsmith.documents import toml
 
 Array = NDArray[np.float64]
 _DIGITS = 5
+_UPSIDE = 1.0 - 1e-9  # sine of a pitch so near to a right angle that only the sum of roll and yaw is known
 _NEAR = 1e-3  # m, and of the axes: a site there is the sole's frame
 
 
@@ -153,6 +154,8 @@ def rpy(rotation: Array) -> list[float]:
     """Roll, pitch and yaw about fixed axes."""
     pitch = -np.arcsin(np.clip(rotation[2, 0], -1.0, 1.0))
     roll, yaw = np.arctan2(rotation[2, 1], rotation[2, 2]), np.arctan2(rotation[1, 0], rotation[0, 0])
+    if abs(rotation[2, 0]) > _UPSIDE:  # roll and yaw turn about the same axis
+        roll, yaw = np.arctan2(-rotation[1, 2], rotation[1, 1]), 0.0
     return [round(float(angle), 6) + 0.0 for angle in (roll, pitch, yaw)]
 
 
