@@ -243,16 +243,9 @@ def _grid(entry: GridEntry, base: dict[str, Any], scale: float, heavier: float, 
         impulse = entry.impulse * heavier * scale**_ROOT
     else:
         impulse = (entry.strength or 0.0) * momentum_unit(robot, walk.height or robot.card.gait.height)
-    return PushGrid(
-        round(impulse, 3),
-        walk,
-        entry.least,
-        entry.goal,
-        None if entry.separation is None else Limit("separation", scale * entry.separation),
-        entry.directions,
-        entry.phases,
-        entry.offset,
-    )
+    separation = None if entry.separation is None else Limit("separation", scale * entry.separation)
+    same = entry.model_dump(include={"least", "goal", "directions", "phases", "offset"})
+    return PushGrid(round(impulse, 3), walk, separation=separation, **same)
 
 
 def walking(fields: dict[str, Any], robot: Robot) -> Scenario:
