@@ -67,8 +67,9 @@ def read_bounded(path: str | Path, limit: int) -> bytes:
     return content
 
 
-def write_bytes_atomic(path: str | Path, content: bytes) -> None:
-    """Write a file whole: a reader sees the old content or the new, also after a crash.
+@contextlib.contextmanager
+def replacing(path: str | Path) -> Iterator[BinaryIO]:
+    """A file to fill that then takes a path whole: a reader sees the old content or the new, also after a crash.
 
     Raises:
         BadInput: the folder is missing or cannot be written, or :func:`regular_target` refuses the path.
@@ -76,11 +77,10 @@ def write_bytes_atomic(path: str | Path, content: bytes) -> None:
     target = regular_target(path)
     temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}.part")
     try:
-        handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        handle = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
         try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-                file.flush()
+            with os.fdopen(handle, "w+b", buffering=0) as file:
+                yield file
                 os.fsync(file.fileno())
             os.replace(temporary, target)
         except BaseException:
@@ -88,8 +88,16 @@ def write_bytes_atomic(path: str | Path, content: bytes) -> None:
                 os.unlink(temporary)
             raise
         _sync_folder(target.parent)
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise BadInput(str(path), reason(error), "a file in a folder that can be written") from None
+
+
+def write_bytes_atomic(path: str | Path, content: bytes) -> None:
+    """Write a file as :func:`replacing` does."""
+    with replacing(path) as file:
+        left = memoryview(content)
+        while left:
+            left = left[file.write(left) :]
 
 
 def write_text_atomic(path: str | Path, text: str) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -12,8 +10,7 @@ from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, Outcome, printable
 from gaitsmith.cli.run_folder import LOG, SUMMARY, write_summary
 from gaitsmith.documents import About
-from gaitsmith.errors import BadInput
-from gaitsmith.files import lock, open_regular, reason
+from gaitsmith.files import lock, open_regular, replacing
 
 
 class CheckArguments(Arguments):
@@ -39,7 +36,8 @@ def check(words: list[str], program: str) -> Outcome:
         repaired = []
         if not arguments.no_repair and not running:
             if not found.complete:
-                _finish(path)
+                with replacing(path) as copy, open_regular(path) as cut:
+                    survey(cut, str(path), copy)
                 repaired.append(LOG)
             folder = path.parent
             if path.name == LOG and found.rows and not (folder / SUMMARY).exists():
@@ -52,23 +50,3 @@ def check(words: list[str], program: str) -> Outcome:
     text = [f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}"]
     text += ["written anew: " + ", ".join(repaired)] if repaired else []
     return Outcome(DONE, {**document, "running": running}, text)
-
-
-def _finish(path: Path) -> None:
-    """Put a complete log in the place of one that was cut.
-
-    Raises:
-        BadInput: the folder cannot be written.
-    """
-    from gaitsmith.simulation.recovery import survey
-
-    temporary = path.with_name(f".{path.name[:100]}.{secrets.token_hex(6)}.part")
-    try:
-        with open(temporary, "xb", buffering=0) as copy, open_regular(path) as file:
-            survey(file, str(path), copy)
-            os.fsync(copy.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        raise BadInput(str(path), reason(error), "a folder with room for another copy of the log") from None
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import deferred, open_regular, reason, write_bytes_atomic
+from gaitsmith.files import deferred, open_regular, reason, replacing
 from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, Event, Head, message_rows
 
 DECIMATION = 4
@@ -69,13 +69,12 @@ class Log:
         Raises:
             BadInput: the file cannot be written.
         """
-        file = io.BytesIO()
-        writer = ChunkWriter(file, Head(self.columns, self.decimation, self.dropped, self.notes))
-        writer.write_rows(self.rows[:0], self.events)
-        for first in range(0, len(self.rows), _CAPACITY):
-            writer.write_rows(self.rows[first : first + _CAPACITY])
-        writer.finish()
-        write_bytes_atomic(path, file.getvalue())
+        with replacing(path) as file:
+            writer = ChunkWriter(file, Head(self.columns, self.decimation, self.dropped, self.notes))
+            writer.write_rows(self.rows[:0], self.events)
+            for first in range(0, len(self.rows), _CAPACITY):
+                writer.write_rows(self.rows[first : first + _CAPACITY])
+            writer.finish()
 
 
 class Recorder:
