@@ -31,7 +31,7 @@ _CENTRE, _RADIUS = 0.3, 1.0  # m ahead of the start, and of the disc of waypoint
 _WALK, _PUNCH, _ARMS = 2, 3, 4  # streams of a run id
 _PERIOD = 0.02  # s from one command to the next
 _GAIN = 1.5  # 1/s, on position and on heading
-_REACHED, _LEFT_AGAIN = np.array([0.10, 0.05]), np.array([0.20, 0.12])  # m, rad
+_REACHED, _LEFT_AGAIN = np.array([0.05, 0.03]), np.array([0.10, 0.08])  # m, rad; of these every controller has its own
 _FORCE, _FLOOR, _RAMP = 500.0, 1.0 / 3.0, 60.0  # N; share of it at first; s until all of it
 _DELAY, _DURATION = 0.1, 0.08  # s
 _ARM_STEP, _ARM_PERIOD, _ARM_DRAWS = 0.06, 0.5, 8  # rad, s, tries
@@ -212,7 +212,9 @@ class Guide:
         speed *= min(1.0, limits.forward / max(float(np.hypot(*speed)), 1e-9))
         side = min(max(speed[1], -limits.lateral), limits.lateral)
         rate = 0.0 if self._reached[1] else min(max(_GAIN * turn, -limits.yaw_rate), limits.yaw_rate)
-        return {"speed": (float(speed[0]), float(side)), "yaw_rate": rate}
+        # Turning and stepping sideways at once brings the feet together: neither at its limit then.
+        both = ((side / limits.lateral) ** 4 + (rate / limits.yaw_rate if rate else 0.0) ** 4) ** 0.25
+        return {"speed": (float(speed[0]), float(side) / max(both, 1.0)), "yaw_rate": rate / max(both, 1.0)}
 
     def observe(self, tick: int) -> bool:
         """Count the mechanical work of the joints; never ends the run."""
