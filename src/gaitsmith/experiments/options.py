@@ -84,8 +84,8 @@ class TourOptions(Frozen):
     runs: Annotated[int, Field(ge=1, le=10_000), About("Run ids", metavar="N")] = 32
     first: Annotated[int, Field(ge=0, lt=2**31), About("The first of them", metavar="ID")] = 0
     force: Annotated[float, Field(ge=0.0, le=10.0), About("Factor on all punches, 0 for none", metavar="X")] = 1.0
-    height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="the card's")] = None
-    period: Annotated[float | None, About("Duration of one step", "s", "S", absent="the card's")] = None
-    width: Annotated[float | None, About("Half the distance of the soles", "m", "M", absent="the card's")] = None
+    height: Annotated[float | None, About("Hip midpoint above the stance sole", "m", "M", absent="legs bent")] = None
+    period: Annotated[float | None, About("Duration of one step", "s", "S", absent="by the height")] = None
+    width: Annotated[float | None, About("Half the distance of the soles", "m", "M", absent="wide")] = None
     jobs: Jobs = 1
     out: _Folder = "runs/bench"

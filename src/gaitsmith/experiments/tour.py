@@ -21,6 +21,7 @@ from gaitsmith.simulation.tour import LENGTH, SEGMENT, punches
 
 _STAND = 3.0  # s before the walk
 _FORWARD, _LATERAL, _TURNING = 0.153, 0.057, 0.15  # commanded at most: of √(g leg), the same, and of √(g / leg)
+_BENT, _APART = 0.77, 1.3  # height of the leg's length, and width of the card's: long steps that do not cross
 _BIN, _BINS = 0.05, 7  # of mass times √(gH); the last bin has no end
 _COLUMNS = ("controller", "runs", "completed\n%", "survival\ns", "position\ncm", "yaw\n°", "energy\nkJ")
 # https://github.com/rhoyn/teleop-walking-benchmark, README, results in MuJoCo: learned policies.
@@ -77,10 +78,9 @@ def run_tour(options: TourOptions, progress: Progress = silent) -> Result:
     Raises:
         BadInput: an option, the robot or the folder cannot be used.
     """
-    loaded, first, runs, height = load_robot(options.robot), options.first, options.runs, options.height
+    loaded, first, runs = load_robot(options.robot), options.first, options.runs
     robot, preset, force = options.robot, options.preset, options.force
-    given = {"height": height, "period": options.period, "width": options.width}
-    gait = {name: value for name, value in given.items() if value is not None}
+    gait = _gait(options, loaded)
     base = {"robot": robot, "preset": preset, "duration": _STAND + LENGTH, "rest_before": _STAND, **gait}
     scenarios = {run_id: _scenario(base, loaded, run_id, force) for run_id in range(first, first + runs)}
     store = Store(options.out)
@@ -94,15 +94,29 @@ def run_tour(options: TourOptions, progress: Progress = silent) -> Result:
         "robot": loaded.card.name,
         "preset": preset,
         "force": force,
+        "gait": gait,
         "identity": loop_identity(loaded),
-        **_totals(done, momentum_unit(loaded, height or loaded.card.gait.height)),
+        **_totals(done, momentum_unit(loaded, gait["height"])),
         "interrupted": episodes.interrupted,
     }
-    notes = [_words_of_bins(document["punches"]), *DIFFERENCES, *episodes.notes(runs, store)]
+    walked = "walked with " + ", ".join(f"{name} {value:.3g}" for name, value in gait.items())
+    notes = [walked, _words_of_bins(document["punches"]), *DIFFERENCES, *episodes.notes(runs, store)]
     rows = (_row(loaded.card.name, document), *_PUBLISHED)
     result = Result(document, _COLUMNS, rows, tuple(note for note in notes if note), episodes.interrupted)
     result.write(store.path.with_name("tour.json"))
     return result
+
+
+def _gait(options: TourOptions, robot: Robot) -> dict[str, float]:
+    """Inputs of the gait; if none are given, legs are bent and apart, and a step's share of √(H/g) is the card's."""
+    usual, limits = robot.card.gait, robot.card.gait_limits
+
+    def within(value: float, span: tuple[float, float]) -> float:
+        return round(min(max(value, span[0]), span[1]), 4)
+
+    height = options.height or within(_BENT * leg_length(robot), limits.height)
+    period = options.period or within(usual.period * math.sqrt(height / usual.height), limits.period)
+    return {"height": height, "period": period, "width": options.width or within(_APART * usual.width, limits.width)}
 
 
 def _scenario(base: dict[str, Any], robot: Robot, run_id: int, force: float) -> Scenario:
