@@ -18,9 +18,9 @@ from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, Terrain
 from gaitsmith.simulation.truth import (
     Account,
+    Errors,
     Geometry,
     PlantArrays,
-    Readings,
     SensorArrays,
     World,
     apply_torque,
@@ -248,9 +248,8 @@ class Plant:
         noise = np.zeros(9 + len(self._robot.joint_names))
         bias = self._sensors.bias(self._seed) if self._sensors else np.zeros(3)
         step = self._sensors.encoder_step if self._sensors else 0.0
-        readings = Readings(*into, noise=noise, bias=bias, encoder_step=step)
-        self._readings = Arena(SensorArrays(self._arena.view.world, readings))
-        self._noise_row: npt.NDArray[np.float64] = self._readings.view.readings.noise
+        self._readings = Arena(SensorArrays(self._arena.view.world, into, Errors(noise, bias, step)))
+        self._noise_row: npt.NDArray[np.float64] = self._readings.view.errors.noise
         self._measured = into
 
     def push(self, force: npt.ArrayLike, body: str | None = None, joint: str | None = None) -> None:

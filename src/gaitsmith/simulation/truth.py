@@ -10,6 +10,7 @@ import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, bind, kernel
 from gaitsmith.dynamics.rotation import turn_quaternion, world_to_heading
+from gaitsmith.estimation.measurement import Measurement
 
 
 class Truth(NamedTuple):
@@ -107,17 +108,9 @@ class Account(NamedTuple):
     start: Vector  # (2,) torso position from which the excursion counts, world
 
 
-class Readings(NamedTuple):
-    """A measurement's arrays and the errors to add to them; see :class:`gaitsmith.control.Measurement`."""
+class Errors(NamedTuple):
+    """What to add to a measurement; see :class:`gaitsmith.simulation.SensorNoise`."""
 
-    base_position: Vector
-    base_quaternion: Vector
-    base_velocity: Vector
-    joint_position: Vector
-    joint_velocity: Vector
-    accelerometer: Vector
-    gyro: Vector
-    sole_force: Vector
     noise: Vector
     bias: Vector
     encoder_step: float
@@ -136,7 +129,8 @@ class SensorArrays(NamedTuple):
     """What a measurement is read from and written to."""
 
     world: World
-    readings: Readings
+    measured: Measurement
+    errors: Errors
 
 
 @kernel
@@ -232,7 +226,7 @@ def observe(address: int) -> None:
 def read_sensors(address: int, noisy: int) -> None:
     """Fill a measurement: the true state, or, if ``noisy``, what the sensors say (and nothing they cannot know)."""
     sensors = bind(SensorArrays, address)
-    world, out = sensors.world, sensors.readings
+    world, out, errors = sensors.world, sensors.measured, sensors.errors
     nj = out.joint_position.shape[0]
     for i in range(3):
         out.accelerometer[i] = world.imu_readings[i]
@@ -251,13 +245,11 @@ def read_sensors(address: int, noisy: int) -> None:
         for j in range(nj):
             out.joint_velocity[j] = world.qvel[6 + j]
         return
-    noise = out.noise
+    noise, step = errors.noise, errors.encoder_step
     for i in range(3):
         out.gyro[i] += noise[i]
-        out.accelerometer[i] += noise[3 + i] + out.bias[i]
+        out.accelerometer[i] += noise[3 + i] + errors.bias[i]
     for j in range(nj):
         angle = out.joint_position[j] + noise[9 + j]
-        out.joint_position[j] = (
-            math.floor(angle / out.encoder_step + 0.5) * out.encoder_step if out.encoder_step > 0.0 else angle
-        )
+        out.joint_position[j] = math.floor(angle / step + 0.5) * step if step > 0.0 else angle
     turn_quaternion(out.base_quaternion, noise[6], noise[7], noise[8])
