@@ -1,8 +1,8 @@
 """Rigid-body dynamics of a floating-base tree, compiled once for all robots."""
 
 from gaitsmith.dynamics.algorithms import update_dynamics as update_dynamics
-from gaitsmith.dynamics.linear_algebra import cholesky as cholesky
-from gaitsmith.dynamics.linear_algebra import cholesky_solve_matrix as cholesky_solve_matrix
+from gaitsmith.dynamics.linear_algebra import factor_tree as factor_tree
+from gaitsmith.dynamics.linear_algebra import solve_tree as solve_tree
 from gaitsmith.dynamics.points import point_bias as point_bias
 from gaitsmith.dynamics.points import point_jacobian as point_jacobian
 from gaitsmith.dynamics.points import point_velocity as point_velocity

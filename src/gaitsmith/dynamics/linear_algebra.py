@@ -1,67 +1,73 @@
-"""Cholesky factor and solves for small symmetric matrices, in given storage."""
+"""Factor and solves for the mass matrix of a tree: nothing is computed where two branches do not touch.
+
+M = Lᵀ L with L lower triangular (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.5): L[k, i] differs from
+zero only where i is k or lies on the way from k to the root, as in M itself.
+"""
 
 from __future__ import annotations
 
 import math
 
-from gaitsmith.compiled import Matrix, kernel
+from gaitsmith.compiled import IntVector, Matrix, kernel
 
 
 @kernel
-def cholesky(a: Matrix, l: Matrix, n: int) -> bool:  # noqa: E741
-    """Factor the leading n x n block: a = L Lᵀ.
+def factor_tree(a: Matrix, parent: IntVector, l: Matrix) -> bool:  # noqa: E741
+    """Factor a = Lᵀ L.
 
     Args:
-        a: (>= n, >= n) symmetric; only its lower triangle is read.
-        l: (>= n, >= n) receives L; nothing above the diagonal is written. It may be ``a`` itself.
-        n: size.
+        a: (n, n) symmetric; only its lower triangle is read.
+        parent: (n,) the degree of freedom before each on the way to the root, -1 if none.
+        l: (n, n) receives L, with the inverse of its diagonal; elsewhere than on the branches nothing is written.
 
     Returns:
-        False if the block is not positive definite or holds a NaN; ``l`` is then useless.
+        False if ``a`` is not positive definite or holds a NaN; ``l`` is then useless.
     """
-    for j in range(n):
-        pivot = a[j, j]
-        for k in range(j):
-            pivot -= l[j, k] * l[j, k]
-        if not (pivot > 0.0 and pivot < math.inf):
+    n = parent.shape[0]
+    for k in range(n):
+        i = k
+        while i >= 0:
+            l[k, i] = a[k, i]
+            i = parent[i]
+    for k in range(n - 1, -1, -1):
+        if not (l[k, k] > 0.0 and l[k, k] < math.inf):
             return False
-        pivot = math.sqrt(pivot)
-        over = 1.0 / pivot
-        l[j, j] = pivot
-        i = j + 1
-        # Two rows at once: a single sum waits for its own last addition, two overlap.
-        while i + 1 < n:
-            upper, lower = a[i, j], a[i + 1, j]
-            for k in range(j):
-                factor = l[j, k]
-                upper -= l[i, k] * factor
-                lower -= l[i + 1, k] * factor
-            l[i, j], l[i + 1, j] = upper * over, lower * over
-            i += 2
-        if i < n:
-            upper = a[i, j]
-            for k in range(j):
-                upper -= l[i, k] * l[j, k]
-            l[i, j] = upper * over
+        over = 1.0 / math.sqrt(l[k, k])
+        l[k, k] = over
+        i = parent[k]
+        while i >= 0:
+            l[k, i] *= over
+            i = parent[i]
+        i = parent[k]
+        while i >= 0:
+            j = i
+            while j >= 0:
+                l[i, j] -= l[k, i] * l[k, j]
+                j = parent[j]
+            i = parent[i]
     return True
 
 
 @kernel
-def cholesky_solve_matrix(l: Matrix, b: Matrix, n: int, m: int) -> None:  # noqa: E741
-    """Replace the leading n x m block of ``b`` by the solution of L Lᵀ X = b; ``l`` is from :func:`cholesky`."""
-    for k in range(n):
-        over = 1.0 / l[k, k]
-        for j in range(m):
-            b[k, j] *= over
-        for i in range(k + 1, n):
-            factor = l[i, k]
-            for j in range(m):
-                b[i, j] -= factor * b[k, j]
+def solve_tree(l: Matrix, parent: IntVector, b: Matrix, m: int) -> None:  # noqa: E741
+    """Replace the first m columns of ``b`` by the solution of Lᵀ L X = b; ``l`` is from :func:`factor_tree`."""
+    n = parent.shape[0]
     for k in range(n - 1, -1, -1):
-        over = 1.0 / l[k, k]
+        over = l[k, k]
         for j in range(m):
             b[k, j] *= over
-        for i in range(k):
-            factor = l[k, i]
+        i = parent[k]
+        while i >= 0:
+            share = l[k, i]
             for j in range(m):
-                b[i, j] -= factor * b[k, j]
+                b[i, j] -= share * b[k, j]
+            i = parent[i]
+    for k in range(n):
+        i, over = parent[k], l[k, k]
+        while i >= 0:
+            share = l[k, i]
+            for j in range(m):
+                b[k, j] -= share * b[i, j]
+            i = parent[i]
+        for j in range(m):
+            b[k, j] *= over

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gaitsmith.compiled import IntVector, Matrix, kernel
+from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
 from gaitsmith.qp._storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
@@ -34,10 +34,53 @@ _PIVOT = 1e-14  # smallest Cholesky pivot relative to its diagonal entry: below 
 
 
 @kernel
-def prepare(qp: QuadraticProgram) -> int:
-    """Check the data; gather limits of all constraints in LOW and HIGH and their scales in METRIC.
+def is_finite(qp: QuadraticProgram) -> bool:
+    """Whether H, g and the rows are numbers."""
+    n, poison = qp.size[0], 0.0
+    for i in range(n):
+        poison += 0.0 * qp.gradient[i]
+        for k in range(n):
+            poison += 0.0 * qp.hessian[i, k]
+    for j in range(qp.size[1]):
+        for i in range(n):
+            poison += 0.0 * qp.rows[j, i]
+    return poison == 0.0
 
-    The scale of a constraint is the inverse norm of its normal in scaled units.
+
+@kernel
+def _norm(row: Vector, scale: Vector, n: int) -> float:
+    """Squared norm of a row in scaled units; four sums, because each waits for its own last addition."""
+    a = b = c = d = 0.0
+    for i in range(0, n - 3, 4):
+        a += (row[i] * scale[i]) ** 2
+        b += (row[i + 1] * scale[i + 1]) ** 2
+        c += (row[i + 2] * scale[i + 2]) ** 2
+        d += (row[i + 3] * scale[i + 3]) ** 2
+    for i in range(n // 4 * 4, n):
+        a += (row[i] * scale[i]) ** 2
+    return (a + b) + (c + d)
+
+
+@kernel
+def _product(row: Vector, x: Vector, n: int) -> float:
+    """A row times x, in the same way."""
+    a = b = c = d = 0.0
+    for i in range(0, n - 3, 4):
+        a += row[i] * x[i]
+        b += row[i + 1] * x[i + 1]
+        c += row[i + 2] * x[i + 2]
+        d += row[i + 3] * x[i + 3]
+    for i in range(n // 4 * 4, n):
+        a += row[i] * x[i]
+    return (a + b) + (c + d)
+
+
+@kernel
+def prepare(qp: QuadraticProgram) -> int:
+    """Check the limits; gather those of all constraints in LOW and HIGH and their scales in METRIC.
+
+    The scale of a constraint is the inverse norm of its normal in scaled units. H beside its diagonal is not looked
+    at: a guess with a number in it that is not finite is not accepted, and :func:`is_finite` tells why.
 
     Returns:
         OPTIMAL if a solve may start, else NOT_FINITE, NOT_CONVEX, or INFEASIBLE (crossed limits).
@@ -51,15 +94,10 @@ def prepare(qp: QuadraticProgram) -> int:
         convex = convex and not diagonal <= 0.0
         metric[i] = np.sqrt(diagonal)
         inverse[i] = 1.0 / metric[i]
-        poison += 0.0 * qp.gradient[i]
-        for k in range(n):
-            poison += 0.0 * qp.hessian[i, k]
+        poison += 0.0 * qp.gradient[i] + 0.0 * diagonal
         low[i], high[i] = qp.lower[i], qp.upper[i]
     for j in range(m):
-        total = 0.0
-        for i in range(n):
-            entry = qp.rows[j, i] * inverse[i]
-            total += entry * entry
+        total = _norm(qp.rows[j], inverse, n)
         poison += 0.0 * total
         metric[base + j] = 1.0 / np.sqrt(total) if total > 0.0 else 1.0
         low[base + j], high[base + j] = qp.row_lower[j], qp.row_upper[j]
@@ -122,20 +160,34 @@ def _factorise(
     held: int,
 ) -> bool:
     """Cholesky factors of H_FF and of V Vᵀ, with inverted diagonals; False if one has no full rank."""
-    for i in range(free):
-        row = variables[i]
-        for k in range(i):
-            total = hessian[row, variables[k]]
-            for p in range(k):
-                total -= factor[i, p] * factor[k, p]
-            factor[i, k] = total * factor[k, k]
-        diagonal = hessian[row, row]
+    for k in range(free):
+        column = variables[k]
+        diagonal = hessian[column, column]
         total = diagonal
-        for p in range(i):
-            total -= factor[i, p] * factor[i, p]
+        for p in range(k):
+            total -= factor[k, p] * factor[k, p]
         if not total > _PIVOT * diagonal:
             return False
-        factor[i, i] = 1.0 / np.sqrt(total)
+        over = 1.0 / np.sqrt(total)
+        factor[k, k] = over
+        i = k + 1
+        while i + 3 < free:  # four rows at once: each sum waits for its own last subtraction
+            a, b = hessian[variables[i], column], hessian[variables[i + 1], column]
+            c, d = hessian[variables[i + 2], column], hessian[variables[i + 3], column]
+            for p in range(k):
+                share = factor[k, p]
+                a -= factor[i, p] * share
+                b -= factor[i + 1, p] * share
+                c -= factor[i + 2, p] * share
+                d -= factor[i + 3, p] * share
+            factor[i, k], factor[i + 1, k], factor[i + 2, k], factor[i + 3, k] = a * over, b * over, c * over, d * over
+            i += 4
+        while i < free:
+            total = hessian[variables[i], column]
+            for p in range(k):
+                total -= factor[i, p] * factor[k, p]
+            factor[i, k] = total * over
+            i += 1
     for j in range(held):
         row = members[j]
         for i in range(free):
@@ -194,31 +246,30 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     if held > free or not _factorise(qp.hessian, qp.rows, variables, members, factor, qp.normals, qp.schur, free, held):
         return False
 
-    unit = worst = 0.0
+    unit = worst = poison = 0.0
     for attempt in range(4):
         unit = worst = 0.0
         for i in range(n):
-            total = qp.gradient[i]
-            for k in range(n):
-                total += qp.hessian[i, k] * x[k]
-            full[i] = total
+            full[i] = qp.gradient[i]
+        for k in range(n):
+            value = x[k]
+            if value != 0.0:
+                for i in range(n):
+                    full[i] += qp.hessian[k, i] * value
+        for i in range(n):
+            poison += 0.0 * full[i]
             unit = max(unit, abs(qp.gradient[i]) / metric[i], abs(x[i]) * metric[i])
         for k in range(held):
             row, multiplier = members[k], y[base + members[k]]
             for i in range(n):
                 full[i] -= qp.rows[row, i] * multiplier
-        for j in range(m):
-            total = 0.0
-            for i in range(n):
-                total += qp.rows[j, i] * x[i]
-            full[base + j] = total
         for i in range(free):
             slope[i] = full[variables[i]]
             worst = max(worst, abs(slope[i]) / metric[variables[i]])
         for k in range(held):
             at = base + members[k]
             limit = high[at] if active[at] > 0 and high[at] < np.inf else low[at]
-            gap[k] = limit - full[at]
+            gap[k] = limit - _product(qp.rows[members[k]], x, n)
             worst = max(worst, abs(gap[k]) * metric[at])
         if worst <= 0.1 * DUAL_TOLERANCE * unit or attempt == 3:
             break
@@ -227,12 +278,12 @@ def accept_guess(qp: QuadraticProgram) -> bool:
             x[variables[i]] += step[i]
         for k in range(held):
             y[base + members[k]] += force[k]
-    if not worst <= DUAL_TOLERANCE * unit:
+    if poison != 0.0 or not worst <= DUAL_TOLERANCE * unit:
         return False
 
     for i in range(n + m):
         k = i if i < n else base + i - n
-        value = x[k] if i < n else full[k]
+        value = x[k] if i < n else _product(qp.rows[i - n], x, n)
         slack = PRIMAL_TOLERANCE * unit / metric[k]
         if not low[k] - slack <= value <= high[k] + slack:
             return False

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from gaitsmith.compiled import kernel
 from gaitsmith.qp._dual import solve_dual
-from gaitsmith.qp._guess import accept_guess, prepare
+from gaitsmith.qp._guess import accept_guess, is_finite, prepare
 from gaitsmith.qp._storage import INFEASIBLE as INFEASIBLE
 from gaitsmith.qp._storage import ITERATION_LIMIT as ITERATION_LIMIT
 from gaitsmith.qp._storage import KEPT_MULTIPLIERS, KEPT_SOLUTION
@@ -58,11 +58,13 @@ def solve(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
         set are zeroed, so the next solve starts cold.
     """
     status = prepare(qp)
+    if status == OPTIMAL and accept_guess(qp):
+        return OPTIMAL, 0
+    if status != NOT_CONVEX and not is_finite(qp):
+        status = NOT_FINITE
     if status != OPTIMAL:
         _clear(qp)
         return status, 0
-    if accept_guess(qp):
-        return OPTIMAL, 0
     status, iterations = solve_dual(qp, iteration_limit)
     if status == OPTIMAL:
         # The reduced system of the final set is better conditioned than the path that led to it.

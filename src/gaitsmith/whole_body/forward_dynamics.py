@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.dynamics.linear_algebra import cholesky, cholesky_solve_matrix
-from gaitsmith.dynamics.tree import TreeState
+from gaitsmith.dynamics.linear_algebra import factor_tree, solve_tree
 from gaitsmith.whole_body.contact import WRENCH_SIZE, Contacts, transmits
+from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.legs import Legs
 from gaitsmith.whole_body.reference import NONE
 
@@ -19,7 +19,7 @@ class MotionMap(NamedTuple):
     """The map of this tick and its scratch; n is the largest number of variables.
 
     Attributes:
-        factor: (nv, nv) Cholesky factor of M.
+        factor: (nv, nv) of M.
         map: (nv, n + 1) acceleration per unit of each variable; the column after the last variable is scratch.
         free: (nv,) acceleration with all variables zero.
         row: (nv,) one task's Jacobian.
@@ -58,10 +58,9 @@ def _add_passive(legs: Legs, q: Vector, v: Vector, motion: MotionMap, column: in
 
 
 @kernel
-def forward_dynamics_map(
-    state: TreeState, legs: Legs, contacts: Contacts, motion: MotionMap, q: Vector, v: Vector
-) -> int:
+def forward_dynamics_map(body: Body, contacts: Contacts, motion: MotionMap) -> int:
     """Fill ``map`` and ``free``; returns the number of variables, or -1 if M is not positive definite."""
+    state, legs, parent = body.state, body.legs, body.tree.dof_parent
     nv, n_joints = motion.free.shape[0], legs.torque_limit.shape[0]
     n: int = n_joints
     for i in range(nv):
@@ -84,10 +83,10 @@ def forward_dynamics_map(
             n += 1
     for k in range(nv):
         motion.map[k, n] = -state.bias[k]
-    _add_passive(legs, q, v, motion, n)
-    if not cholesky(state.mass_matrix, motion.factor, nv):
+    _add_passive(legs, body.q, body.v, motion, n)
+    if not factor_tree(state.mass_matrix, parent, motion.factor):
         return -1
-    cholesky_solve_matrix(motion.factor, motion.map, nv, n + 1)
+    solve_tree(motion.factor, parent, motion.map, n + 1)
     for k in range(nv):
         motion.free[k] = motion.map[k, n]
     return n

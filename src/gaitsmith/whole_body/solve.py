@@ -164,7 +164,7 @@ def solve_whole_body(g: WholeBody, tasks: TaskTable) -> bool:
     solution.solves[0] += 1
     if observe_contacts(g.body.legs, g.body.frames, g.reference.contact, contacts):
         _forget(qp, 0)
-    n = forward_dynamics_map(g.body.state, g.body.legs, contacts, g.motion, g.body.q, g.body.v)
+    n = forward_dynamics_map(g.body, contacts, g.motion)
     solution.status[0], solution.iterations[0] = 3, 0
     if n >= 0:
         m = _assemble(g, tasks, n)
