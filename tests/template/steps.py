@@ -25,7 +25,7 @@ def gains(**changes: Any) -> FootholdGains:
     chosen = parameters("thbip_ii").foothold.model_copy(
         update={"reach": 10.0, "spread": 10.0, "separation": 1e-6, **changes}
     )
-    return make_foothold_gains(chosen, GRAVITY, HEIGHT)
+    return make_foothold_gains(chosen, GRAVITY, HEIGHT, (0.0, 10.0))
 
 
 def inputs(**changes: Any) -> GaitInputs:

@@ -17,6 +17,7 @@ from gaitsmith.template.foothold import (
     choose_speed,
     foothold_target,
     forecast_touchdown,
+    landing_height,
     make_speed_gains,
 )
 from gaitsmith.template.step import GaitInputs
@@ -161,3 +162,18 @@ def test_foothold_does_not_depend_on_the_heading(yaw: float) -> None:
         held.tick()
         found.append(held.controller.telemetry.foothold.copy())
     np.testing.assert_allclose(found[1], found[0], atol=1e-9)
+
+
+@given(speeds, sides, st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+def test_the_hips_sink_for_a_foothold_out_of_the_leg_s_reach(
+    wanted: tuple[float, float], side: float, ahead: float, aside: float
+) -> None:
+    """The leg reaches what lies beyond the walk's own foothold; the walk's own never lowers the hips."""
+    gait, leg, lowest = inputs(speed=wanted), 0.385, 0.26
+    law = gains()._replace(leg=leg, lowest_hips=lowest)
+    usual = 0.5 * gait.period[0] * gait.speed + [0.0, side * gait.width[0]]
+    height = landing_height(gait, law, usual, side)
+    assert height == gait.height[0]
+    way = np.array([0.0, side * gait.width[0]]) + 0.5 * gait.period[0] * np.abs(gait.speed) * np.sign([ahead, aside])
+    found = landing_height(gait, law, np.add(way, (ahead, aside)), side)
+    assert found == pytest.approx(min(height, max(lowest, math.sqrt(max(leg**2 - ahead**2 - aside**2, 0.0)))))

@@ -61,6 +61,7 @@ def test_walking_turns_the_heading_by_the_rate(rate: float) -> None:
     for _ in range(100):
         held.stance_only()
     assert held.controller.telemetry.heading[0] - start == pytest.approx(100 * rate * DT)
+    assert held.groups.reference.torso_spin[2] == rate  # so that the torso does not lag behind
 
 
 def test_the_heading_passes_through_half_a_turn() -> None:

@@ -36,7 +36,7 @@ def a_step(seed: int) -> tuple[StepState, np.ndarray]:
 def support_at(step: StepState, gait: GaitInputs, time: float) -> np.ndarray:
     step.time[0] = step.place[0] = time
     out = np.zeros(3)
-    support_height(step, gait, out)
+    support_height(step, gait, float(gait.height[0]), out)
     return out
 
 

@@ -300,7 +300,7 @@ def _make_view(
         latched=make_gait_inputs(gait),
         step=make_step_state(n_soles, n_leg),
         posture=make_posture(body.legs.home, robot.velocity_limit, _POSTURE * scale.rate),
-        foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height),
+        foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height, robot.card.gait_limits.height),
         speed=make_speed_gains(parameters.speed),
         forecast=Forecast(np.zeros(3), *(np.zeros(2) for _ in range(4))),
         balance=make_balance(),

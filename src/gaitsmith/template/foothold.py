@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
 
 class FootholdGains(NamedTuple):
-    """:class:`FootholdParameters` as a kernel reads them, with the gravity (m/s²) and the least height of a CoM (m)."""
+    """:class:`FootholdParameters` as a kernel reads them, with the gravity (m/s²) and what bounds heights (m).
+
+    Attributes:
+        lowest_com: least height of a CoM.
+        lowest_hips: least height of the hips.
+        leg: greatest height of the hips: how far a leg reaches.
+    """
 
     velocity_gain_x: float
     velocity_gain_y: float
@@ -32,6 +38,8 @@ class FootholdGains(NamedTuple):
     separation: float
     gravity: float
     lowest_com: float
+    lowest_hips: float
+    leg: float
 
 
 class SpeedGains(NamedTuple):
@@ -65,12 +73,20 @@ class Forecast(NamedTuple):
     drift: Vector
 
 
-def make_foothold_gains(parameters: FootholdParameters, gravity: float, com_height: float) -> FootholdGains:
-    """Kernel form of ``parameters``; ``com_height`` is that of the standing robot, m."""
+def make_foothold_gains(
+    parameters: FootholdParameters, gravity: float, com_height: float, heights: tuple[float, float]
+) -> FootholdGains:
+    """Kernel form of ``parameters``; ``com_height`` is that of the standing robot, ``heights`` bound its hips', m."""
     values = parameters.model_dump()
     gain_x, gain_y = values.pop("velocity_gain")
     return FootholdGains(
-        velocity_gain_x=gain_x, velocity_gain_y=gain_y, gravity=gravity, lowest_com=0.07 * com_height, **values
+        velocity_gain_x=gain_x,
+        velocity_gain_y=gain_y,
+        gravity=gravity,
+        lowest_com=0.07 * com_height,
+        lowest_hips=heights[0],
+        leg=heights[1],
+        **values,
     )
 
 
@@ -185,6 +201,20 @@ def foothold_target(
     if side * (y - stance_y) < gains.separation:
         y = stance_y + side * gains.separation
     out[1] = y
+
+
+@kernel
+def landing_height(gait: GaitInputs, gains: FootholdGains, foothold: Vector, side: float) -> float:
+    """Height of the hips at touchdown, m: lower than H where the leg is too short for so far a foothold.
+
+    Only what goes beyond the foothold of the commanded walk counts, so that undisturbed walking keeps its height.
+    """
+    room = gains.leg * gains.leg
+    for axis in range(2):
+        usual = side * gait.width[0] if axis == 1 else 0.0
+        beyond = abs(foothold[axis] - usual) - 0.5 * gait.period[0] * abs(gait.speed[axis])
+        room -= max(beyond, 0.0) ** 2
+    return min(float(gait.height[0]), max(math.sqrt(max(room, 0.0)), gains.lowest_hips))
 
 
 @kernel

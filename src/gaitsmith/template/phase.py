@@ -71,6 +71,22 @@ def _shifted(g: Template) -> bool:
 
 
 @kernel
+def _escaped(g: Template) -> int:
+    """Leg that has to step at once, because the divergent component has left the soles; -1 while it has not."""
+    legs, velocity = g.body.legs, g.body.frames.com_velocity
+    beyond, swing, farthest = True, 0, -1.0
+    for leg in range(legs.side.shape[0]):
+        omega, arm = com_over_sole(g, leg), g.forecast.arm
+        forward, aside = arm[0] + velocity[0] / omega, legs.side[leg] * (arm[1] + velocity[1] / omega)
+        if aside > legs.half_width[leg]:
+            return leg
+        beyond = beyond and (forward > legs.toe[leg] or forward < -legs.heel[leg])
+        if abs(aside) > farthest:
+            swing, farthest = leg, abs(aside)
+    return swing if beyond else -1
+
+
+@kernel
 def _may_rest(g: Template) -> bool:
     """Whether all soles are side by side and the CoM is slow enough to be caught without a step."""
     place, fastest = g.body.frames.relative_position, g.rest.entry_speed
@@ -119,7 +135,10 @@ def _stand(g: Template, dt: float) -> bool:
         return False
     if rest.weight_shift == 1.0 and step.time[0] <= rest.longest_shift:
         latch(step, g.requested, g.latched)
-        if not _shifted(g):
+        swing = _escaped(g)
+        if swing >= 0:
+            step.stance[0] = g.body.legs.other[swing]
+        elif not _shifted(g):
             return False
     _leave_rest(g)
     return True

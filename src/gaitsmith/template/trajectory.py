@@ -12,23 +12,23 @@ from gaitsmith.template.step import GaitInputs, StepState
 
 
 @kernel
-def support_height(step: StepState, gait: GaitInputs, out: Vector) -> None:
+def support_height(step: StepState, gait: GaitInputs, height: float, out: Vector) -> None:
     """Desired z of the support sole (Han 2023, eq. 7).
 
-    It starts from the desired state at the switch (section 2.2, first rule) and reaches ``-H`` at T, so a change
+    It starts from the desired state at the switch (section 2.2, first rule) and reaches ``-height`` at T, so a change
     of height is smoothed over one step.
 
     Args:
         step: the step being taken.
         gait: latched.
+        height: of the hip midpoint at T, m.
         out: (3,) position, velocity, acceleration.
     """
     period = gait.period[0]
     start = step.support_start
-    height = -gait.height[0]
-    middle = start[0] + gait.alpha[0] * (height - start[0])
+    middle = start[0] - gait.alpha[0] * (height + start[0])
     joint = gait.alpha[0] * period
-    evaluate_pair(step.place[0], joint, period, start[0], start[1], start[2], middle, height, 0.0, 0.0, out)
+    evaluate_pair(step.place[0], joint, period, start[0], start[1], start[2], middle, -height, 0.0, 0.0, out)
 
 
 @kernel

@@ -11,11 +11,13 @@ from gaitsmith.template.foothold import (
     choose_speed,
     foothold_target,
     forecast_touchdown,
+    landing_height,
     observe_motion,
     pendulum_frequency,
 )
 from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.state import Template
+from gaitsmith.template.step import WALK
 from gaitsmith.template.step_time import adapt_duration
 from gaitsmith.template.trajectory import support_height, swing_foot, swing_pitch, swing_yaw
 from gaitsmith.whole_body.frames import Frames, to_heading
@@ -30,14 +32,11 @@ def plan_step(g: Template, dt: float) -> None:
     stance = step.stance[0]
     swing = g.body.legs.other[stance]
     side, com = g.body.legs.side[swing], state.com
-    support_height(step, latched, curve)
     support = step.foot_desired[stance]
     for axis in range(2):
         support[0, axis] = frames.relative_position[stance, axis]
         support[1, axis] = frames.relative_velocity[stance, axis]
         support[2, axis] = 0.0
-    for order in range(3):
-        support[order, 2] = curve[order]
     observe_motion(step, frames.com_velocity, com)
     com_over_sole(g, stance)
     to_heading(frames, com[0] - step.station[0], com[1] - step.station[1], forecast.drift)
@@ -53,8 +52,11 @@ def plan_step(g: Template, dt: float) -> None:
     forecast_touchdown(step, latched, g.foothold, frames.com_velocity, side, forecast)
     beside = frames.relative_position[stance, 1]
     foothold_target(step, latched, g.foothold, forecast, frames.com_offset, beside, side, step.foothold)
-    ground, descent = -latched.height[0], g.touchdown.descent_speed
-    swing_foot(step, latched, step.foothold, ground, descent, curve, step.foot_desired[swing])
+    height = landing_height(latched, g.foothold, step.foothold, side)
+    support_height(step, latched, height, curve)
+    for order in range(3):
+        support[order, 2] = curve[order]
+    swing_foot(step, latched, step.foothold, -height, g.touchdown.descent_speed, curve, step.foot_desired[swing])
 
 
 @kernel
@@ -121,6 +123,8 @@ def set_torso(g: Template) -> None:
     for axis in range(3):
         reference.torso_spin[axis] = 0.0
         reference.torso_angular_acceleration[axis] = 0.0
+    if g.step.mode[0] == WALK:
+        reference.torso_spin[2] = g.latched.yaw_rate[0]
 
 
 @kernel
