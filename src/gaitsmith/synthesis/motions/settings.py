@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 LEG = 0.39  # m: of hips this high with straight legs the lengths are that are given as defaults; others in proportion
 _LENGTHS = ("yaw_friction", "zmp_margin", "squat", "foot_gap", "clearance")
-_NARROW = 0.45  # of half a sole's width, the largest default margin
+_NARROW = 0.45  # of half a sole's width, the largest default margin of the ZMP; the feet may use half of their gap
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -87,9 +87,10 @@ class Settings(Parameters):
         """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it."""
         size, given = biped.height / LEG, self.bounds.model_fields_set
         lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}
-        if "zmp_margin" in lengths:
-            narrowest = min(leg.sole.half_width for leg in biped.robot.legs)
-            lengths["zmp_margin"] = min(lengths["zmp_margin"], _NARROW * narrowest)
+        halves = [leg.sole.half_width for leg in biped.robot.legs]
+        for name, most in (("zmp_margin", _NARROW * min(halves)), ("foot_gap", 0.5 * (biped.width - sum(halves)))):
+            if name in lengths:
+                lengths[name] = min(lengths[name], max(most, 0.0))
         found = {"bounds": self.bounds.model_copy(update=lengths)}
         weight = {} if "wrench_weight" in self.model_fields_set else {"wrench_weight": size**2 * self.wrench_weight}
         return self.model_copy(update=found | weight)
