@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from gaitsmith.synthesis.motions.biped import Biped
 
 LEG = 0.39  # m: of hips this high with straight legs the lengths are that are given as defaults; others in proportion
-_LENGTHS = ("yaw_friction", "zmp_margin", "squat", "foot_gap", "clearance")
+_LENGTHS = ("zmp_margin", "squat", "foot_gap", "clearance")
 _NARROW = 0.45  # of half a sole's width, the largest default margin of the ZMP; the feet may use half of their gap
+_YAW = 0.2  # of a sole's length and width, the default lever of its yaw moment
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -87,6 +88,9 @@ class Settings(Parameters):
         """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it."""
         size, given = biped.height / LEG, self.bounds.model_fields_set
         lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}
+        if "yaw_friction" not in given:
+            sizes = [leg.sole.heel + leg.sole.toe + 2.0 * leg.sole.half_width for leg in biped.robot.legs]
+            lengths["yaw_friction"] = _YAW * min(sizes)
         halves = [leg.sole.half_width for leg in biped.robot.legs]
         for name, most in (("zmp_margin", _NARROW * min(halves)), ("foot_gap", 0.5 * (biped.width - sum(halves)))):
             if name in lengths:
