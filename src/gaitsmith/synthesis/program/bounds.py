@@ -20,6 +20,7 @@ Form = dict[int, float]
 _FACETS = 8  # of the pyramid inside the friction cone
 _PITCH = 1  # axis of an angle that the mirror image keeps
 _LEAST = 0.1  # share of an edge's distance that a margin leaves
+_TWIST = 0.5  # share of what friction at both ends of an edge could bear as a yaw moment
 _LEVEL = 0.6  # largest sine of a turning foot's pitch
 
 
@@ -140,7 +141,8 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
     edges = sole.edges * (1.0, phase.side, 1.0)
     if other and phase.contact != "flat":
         _, right, left = sole.ends[0 if phase.contact == "heel" else 1]
-        edges = np.array([(0.0, side, 0.5 * (left - right)) for side in (1.0, -1.0)])
+        half = 0.5 * float(left - right)
+        edges, yaw = np.array([(0.0, 1.0, half), (0.0, -1.0, half)]), min(yaw, _TWIST * bounds.friction * half)
     for x, y, distance in edges.tolist():
         along = abs(x) > abs(y)
         name = (("backward", "forward") if along else ("right", "left"))[(x if along else y) > 0.0]
