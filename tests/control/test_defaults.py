@@ -69,7 +69,7 @@ def in_own_units(scale: Scale) -> dict[str, float]:
     return found
 
 
-BASE = Scale(mass=18.0, gravity=9.81, height=0.33, half_width=0.045, width=0.065)
+BASE = Scale(mass=18.0, gravity=9.81, height=0.33, half_width=0.045, edge=0.045, width=0.065)
 
 
 @pytest.mark.parametrize("factor", [0.3, 2.0, 5.0])
@@ -77,7 +77,7 @@ BASE = Scale(mass=18.0, gravity=9.81, height=0.33, half_width=0.045, width=0.065
 @pytest.mark.parametrize("mass", [1.0, 7.0])
 def test_a_scaled_robot_has_the_same_numbers(factor: float, gravity: float, mass: float) -> None:
     """Any length, mass and gravity."""
-    lengths = {name: factor * getattr(BASE, name) for name in ("height", "half_width", "width")}
+    lengths = {name: factor * getattr(BASE, name) for name in ("height", "half_width", "edge", "width")}
     scaled = replace(BASE, mass=mass * BASE.mass, gravity=gravity, **lengths)
     one, other = in_own_units(BASE), in_own_units(scaled)
     assert list(one) == list(other)

@@ -35,6 +35,7 @@ class Scale:
         gravity: m/s².
         height: z of the centre of mass above the soles when standing, m.
         half_width: largest half width of a sole, m.
+        edge: half the length of the shortest edge that a sole turns about, m; 0 for a line.
         width: half the lateral distance between the soles by default, m.
     """
 
@@ -42,6 +43,7 @@ class Scale:
     gravity: float
     height: float
     half_width: float
+    edge: float
     width: float
 
     @property
@@ -81,6 +83,7 @@ def robot_scale(robot: Robot) -> Scale:
         gravity=float(np.linalg.norm(robot.model.opt.gravity)),
         height=float(state.com[2]),
         half_width=max(leg.sole.half_width for leg in robot.legs),
+        edge=min(0.5 * float(end[2] - end[1]) for leg in robot.legs for end in leg.sole.ends),
         width=gait.width,
     )
 
@@ -152,7 +155,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "friction": 0.6,
             "normal_force": (0.03 * weight, 4.0 * weight),
             "zmp_margin": 0.02 * z,
-            "yaw_friction": 0.1 * z,
+            "yaw_friction": min(0.1 * z, 0.75 * scale.edge or math.inf),
         },
         "joints": {"torque_rate": 12.0 * torque * rate, "stop_rate": 8.0 * rate},
         "touchdown": {"force": 0.08 * weight, "earliest": 0.5, "latest": 1.6, "descent_speed": 0.07 * speed},

@@ -18,6 +18,7 @@ from gaitsmith.whole_body.frames import Frames
 from gaitsmith.whole_body.legs import Legs
 from gaitsmith.whole_body.reference import FLAT, HEEL, NONE
 
+_TWIST = 0.5  # share of what friction at both ends of an edge could bear as a yaw moment
 FORCE_ROWS = 6  # of one sole, besides those of its ZMP: friction 4, yaw moment 2
 WRENCH_SIZE = 6  # variables of one sole at most
 ROLL_MOMENT, PITCH_MOMENT, YAW_MOMENT = 3, 4, 5  # axes of a wrench after the three of its force
@@ -170,7 +171,7 @@ def contact_bounds(
     """Friction pyramid, ZMP (eq. 26) and yaw moment of one sole; returns the next free row.
 
     In the contact frame the ZMP is at ``x = -m_y / f_z`` and ``y = m_x / f_z`` from the pivot; it keeps the margin from
-    every edge of a flat sole.
+    every edge of a flat sole. An edge bears the yaw moment that friction at its ends does.
     """
     m, first, kind = row, contacts.first[leg], contacts.kind[leg]
     normal = first + 2
@@ -185,7 +186,9 @@ def contact_bounds(
         roll, variable = variable, variable + 1
     if transmits(kind, legs.half_width[leg], PITCH_MOMENT):
         pitch, variable = variable, variable + 1
+    twist = bounds.yaw_friction
     if kind != FLAT and roll > 0:
+        twist = min(twist, _TWIST * bounds.friction * contacts.half_edge[leg])
         reach = max(contacts.half_edge[leg] - bounds.zmp_margin, 0.0)
         m = _moment_rows(qp, m, normal, roll, reach)
     for k in range(legs.edges[leg] if kind == FLAT else 0):
@@ -196,4 +199,4 @@ def contact_bounds(
             qp.rows[m - 1, pitch] = edge[0]
         if roll > 0:
             qp.rows[m - 1, roll] = -edge[1]
-    return _moment_rows(qp, m, normal, variable, bounds.yaw_friction)
+    return _moment_rows(qp, m, normal, variable, twist)
