@@ -13,6 +13,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.experiments import TourOptions, run_tour
 from gaitsmith.experiments import tour as module
 from gaitsmith.experiments.episodes import Episodes
+from gaitsmith.robots import load_robot
 from gaitsmith.simulation import Scenario
 from gaitsmith.simulation.summary import TourReport
 
@@ -62,6 +63,15 @@ def test_a_fall_belongs_to_the_last_punch_that_landed(document: dict[str, Any]) 
     assert sum(entry["falls"] for entry in bins) == 3
     assert all(entry["falls"] <= entry["landed"] for entry in bins)
     assert [entry["from"] for entry in bins] == pytest.approx([0.05 * k for k in range(7)])
+
+
+def test_legs_are_bent_as_far_as_the_card_allows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "run_all", _episodes)
+    gait = run_tour(TourOptions(runs=2, out=str(tmp_path))).document["gait"]
+    card = load_robot("bhr_b2").card
+    assert card.gait_limits.height[0] <= gait["height"] < card.gait.height
+    assert gait["period"] ** 2 / gait["height"] == pytest.approx(card.gait.period**2 / card.gait.height, rel=1e-3)
+    assert gait["width"] > card.gait.width
 
 
 def test_commands_stay_within_the_card(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
