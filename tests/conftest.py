@@ -18,6 +18,7 @@ settings.register_profile(
 )
 settings.register_profile("explore", settings.get_profile("gaitsmith"), derandomize=False, max_examples=1000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "gaitsmith"))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job begins with Ctrl-C ignored
 
 
 @pytest.fixture(autouse=True)

@@ -80,10 +80,10 @@ def test_the_key_changes_with_the_source_of_a_callee(monkeypatch: pytest.MonkeyP
 def test_a_kernel_outside_the_package_follows_what_it_imports(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A user's own kernel, like those of the tests, must not be stale after the package has changed."""
     own = tmp_path / "own_loop.py"
-    own.write_text("from gaitsmith.splines.quartic_pair import evaluate_pair\n")
+    own.write_text("from gaitsmith.template.trajectory import swing_foot\n")
     monkeypatch.setitem(sys.modules, "own_loop", SimpleNamespace(__file__=str(own)))
     before = source_key.__wrapped__("own_loop")
-    callee = "gaitsmith.splines.polynomial"  # of the callee
+    callee = "gaitsmith.splines.quartic_pair"  # of the callee
     edited, real = tmp_path / "edited.py", cache._module_file
     edited.write_text("# edited\n")
     monkeypatch.setattr(cache, "_module_file", lambda name: edited if name == callee else real(name))

@@ -52,13 +52,17 @@ def run(state: str, faults: list[tuple[int, str, int, float]]) -> tuple[np.ndarr
 
 def remembered(walk: Loop) -> dict[str, np.ndarray]:
     """All arrays that one tick leaves for the next."""
-    groups = walk.groups
-    names = ("step", "control", "body", "estimator", "latched", "telemetry")
-    return {
-        f"{name}.{field}": getattr(getattr(groups, name), field)
-        for name in names
-        for field in getattr(groups, name)._fields
-    }
+    found: dict[str, np.ndarray] = {}
+
+    def gather(name: str, value: Any) -> None:
+        if isinstance(value, np.ndarray):
+            found[name] = value
+        for field in getattr(value, "_fields", ()):
+            gather(f"{name}.{field}", getattr(value, field))
+
+    for name in ("template", "control", "estimation", "reference", "telemetry"):
+        gather(name, getattr(walk.groups, name))
+    return found
 
 
 def assert_bounded(torques: np.ndarray, walk: Loop) -> None:

@@ -258,8 +258,15 @@ class ChunkReader:
         """Blocks of rows up to the last whole chunk."""
         self._file.seek(len(_MAGIC))
         pattern = message_rows(len(self.head.columns), 1)[0]
+        indexed = {_ROWS}  # channels whose index has been met since the last chunk
         for opcode, content in _records(self._file):
-            if opcode == Opcode.CHUNK:
+            if opcode == Opcode.MESSAGE_INDEX:
+                channel = int.from_bytes(content[:2], "little")
+                if channel in indexed:  # the chunk before it was not known as one
+                    return
+                indexed.add(channel)
+            elif opcode == Opcode.CHUNK:
+                indexed.clear()
                 try:
                     unpacked = _unpacked(content)
                     rows = [part for part in _messages(unpacked, pattern, self.events) if len(part)]
