@@ -87,6 +87,13 @@ def test_a_folder_that_is_there_is_not_touched(tmp_path: Path) -> None:
         adopting.adopt(adopting.Wishes(str(model), str(tmp_path / "in")))
 
 
+def test_a_refusal_leaves_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "block.xml").write_text('<mujoco><worldbody><geom size=".1"/></worldbody></mujoco>')
+    with pytest.raises(BadInput):
+        adopting.adopt(adopting.Wishes(str(tmp_path / "block.xml"), str(tmp_path / "new" / "robot")))
+    assert not (tmp_path / "new").exists()
+
+
 @pytest.mark.parametrize("given", ["nothing.xml", "no_such_robot", "a\x00b", "", "in"])
 def test_no_model(given: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "in").mkdir()

@@ -37,7 +37,7 @@ def test_factor_and_solves(n: int, m: int, seed: int) -> None:
     np.testing.assert_allclose(whole.T @ whole, a, rtol=ROUNDING, atol=ROUNDING)
     y = matrix.copy()
     solve_tree(factor, parent, y, m)
-    np.testing.assert_allclose(y[:, :m], np.linalg.solve(a, matrix[:, :m]), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(a @ y[:, :m], matrix[:, :m], atol=ROUNDING * 1e2)
     np.testing.assert_array_equal(y[:, m:], matrix[:, m:])
 
 

@@ -157,8 +157,7 @@ def _free_folder(given: str) -> Path:
     try:
         if os.path.lexists(out):
             raise BadInput("--out", given, "a folder that is not there yet", "delete it, or name another")
-        parent = out.resolve().parent
-        parent.mkdir(parents=True, exist_ok=True)
+        parent = next(above for above in out.resolve().parents if os.path.lexists(above))
     except (OSError, ValueError, RuntimeError) as error:
         raise BadInput("--out", given, "a folder that can be created", str(error)) from None
     if reason := why_unwritable(parent):
@@ -171,7 +170,7 @@ def _staged(out: Path) -> Iterator[Path]:
     """A folder beside the wanted one, renamed to it at the end, removed if anything fails before."""
     folder = out.resolve().parent / f".{out.name[:60]}.{secrets.token_hex(4)}"
     try:
-        folder.mkdir()
+        folder.mkdir(parents=True)
         yield folder
         os.rename(folder, out)
     except OSError as error:
