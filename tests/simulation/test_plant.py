@@ -187,6 +187,17 @@ def test_coulomb_friction_holds_a_joint_against_less_torque():
     assert moved[3.0] < 0.01 * moved[0.0]
 
 
+def test_friction_can_differ_from_joint_to_joint():
+    names = robot().joint_names
+    plant = floating(joint_friction=3.0, joint_frictions={names[7]: 0.0})
+    torque = np.zeros(8)
+    torque[[3, 7]] = 2.0
+    start = plant.q[7:].copy()
+    for _ in range(100):
+        plant.step(torque)
+    assert abs(plant.q[10] - start[3]) < 0.01 * abs(plant.q[14] - start[7])
+
+
 def test_a_touch_between_the_legs_is_counted_once_however_long():
     plant = floating()
     roll = [robot().joint_names.index(f"{side}_hip_roll") for side in ("left", "right")]

@@ -73,6 +73,15 @@ def test_what_no_sensor_measures_is_not_given_away(readings):
         assert not np.any(_part(rows, name))
 
 
+def test_sole_forces_are_noisy_in_shares_of_the_weight(readings):
+    noise, _, rows = readings
+    forces = _part(rows, "sole_force")
+    loaded = forces[:, forces.mean(axis=0) > 50.0]
+    weight = robot().model.body_subtreemass[robot().torso_body] * 9.81
+    np.testing.assert_allclose(np.std(loaded, axis=0), noise.sole_force * weight, rtol=SPREAD)
+    assert np.all(forces >= 0.0)
+
+
 def test_noise_is_white(readings):
     _, _, rows = readings
     gyro = _part(rows, "gyro")[:, 0]

@@ -40,7 +40,9 @@ from gaitsmith.simulation.wall_time import WallTimes
 Progress = Callable[[float], None]
 _PROGRESS_EVERY = 100  # ticks
 _COLLECT_EVERY = 10_000  # ticks
-_PLANT = {"joint_friction", "torque_delay", "friction", "mass_factor", "mass_spread", "seed"}  # as the plant calls them
+_PLANT = {  # as the plant calls them
+    *("joint_friction", "joint_frictions", "torque_delay", "friction", "mass_factor", "mass_spread", "seed")
+}
 
 
 @dataclass(frozen=True)

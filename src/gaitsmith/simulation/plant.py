@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -43,6 +43,7 @@ class Plant:
         terrain: the ground; level around the origin.
         sensors: sensor errors; None measures the true state.
         joint_friction: Coulomb friction at every joint, N·m.
+        joint_frictions: the same by joint, instead, where one differs.
         torque_delay: from command to joint, s, in whole physics steps.
         friction: Coulomb coefficient between sole and ground.
         mass_factor: on every mass and inertia of the robot.
@@ -72,6 +73,7 @@ class Plant:
         terrain: Terrain | None = None,
         sensors: SensorNoise | None = None,
         joint_friction: float = 0.0,
+        joint_frictions: Mapping[str, float] | None = None,
         torque_delay: float = 0.0,
         friction: float = 0.8,
         mass_factor: float = 1.0,
@@ -93,7 +95,8 @@ class Plant:
         add_ground(spec, terrain or Terrain(), region or Region(), friction)
         for k, ball in enumerate(props):
             ball.add_to(spec, f"ball_{k + 1}")
-        self._model, self._contact_at, self._imu_at = build(spec, robot, joint_friction, len(props))
+        frictions = np.array([(joint_frictions or {}).get(name, joint_friction) for name in robot.joint_names])
+        self._model, self._contact_at, self._imu_at = build(spec, robot, frictions, len(props))
         self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
         self._data = data = mujoco.MjData(self._model)
         self.q: npt.NDArray[np.float64] = data.qpos[: robot.model.nq]
@@ -106,9 +109,9 @@ class Plant:
         )
         if mass_factor != 1.0 or mass_spread != 0.0:
             change_masses(self._model, self._data, robot.model.nbody, mass_factor, mass_spread, seed)
-        self._noise = sensors.blocks(len(robot.joint_names), seed) if sensors else None
         self._sensors = sensors
         self._seed = seed
+        self._noise = self._draw()
         self._forces: dict[tuple[int, int | None], npt.NDArray[np.float64]] = {}
         self._levers = False  # forces off a CoM
         self._bind(round(torque_delay / physics_step))
@@ -169,8 +172,7 @@ class Plant:
         self._levers = False
         self._account.torque[:] = self._account.delayed[:] = 0.0
         self.truth_buffer[:] = 0.0
-        if self._sensors is not None:
-            self._noise = self._sensors.blocks(len(self._robot.joint_names), self._seed)
+        self._noise = self._draw()
         self._noise_rows: Iterator[npt.NDArray[np.float64]] = iter(())
         self._first_torque = True
         self.time = 0.0
@@ -181,6 +183,14 @@ class Plant:
         observe(self._address)
         for ball in self.balls:
             ball.restart()
+
+    def _draw(self) -> Iterator[npt.NDArray[np.float64]] | None:
+        """The sensors' noise from its beginning; None for the true state."""
+        if self._sensors is None:
+            return None
+        robot, model = self._robot, self._model
+        weight = float(robot.model.body_subtreemass[robot.torso_body]) * float(np.linalg.norm(model.opt.gravity))
+        return self._sensors.blocks(len(robot.joint_names), len(robot.legs), weight, self._seed)
 
     def refresh(self) -> None:
         """Observe anew after ``q`` or ``v`` have been written to; counts and extremes go on."""
@@ -245,7 +255,7 @@ class Plant:
 
     def _bind_measurement(self, into: Measurement) -> None:
         """Share a measurement's arrays with the kernel."""
-        noise = np.zeros(9 + len(self._robot.joint_names))
+        noise = np.zeros(9 + len(self._robot.joint_names) + len(self._robot.legs))
         bias = self._sensors.bias(self._seed) if self._sensors else np.zeros(3)
         step = self._sensors.encoder_step if self._sensors else 0.0
         self._readings = Arena(SensorArrays(self._arena.view.world, into, Errors(noise, bias, step)))

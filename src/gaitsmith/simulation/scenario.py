@@ -155,6 +155,9 @@ class Scenario(Command):
     joint_friction: Annotated[
         float, Field(ge=0.0, le=100.0), About("Coulomb friction of every joint", "N·m", "N·m")
     ] = 0.0
+    joint_frictions: Annotated[dict[Name, Annotated[float, Field(ge=0.0, le=100.0)]], Field(max_length=200)] = Field(
+        default_factory=dict
+    )
     torque_delay: Annotated[float, Field(ge=0.0, le=0.1), About("From torque command to joint", "s", "S")] = 0.0
     friction: Annotated[
         float, Field(ge=0.05, le=5.0), About("Coulomb coefficient between sole and ground", metavar="MU")
@@ -173,6 +176,9 @@ class Scenario(Command):
     if TYPE_CHECKING:
 
         def __init__(self, **values: Any) -> None: ...
+
+    def __hash__(self) -> int:
+        return hash(self.model_dump_json())
 
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
@@ -274,6 +280,9 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
         raise BadInput("preset", scenario.preset, "one of " + ", ".join(sorted(robot.card.presets)))
     for prefix, command in [("", scenario), *((f"changes[{k}].", change) for k, change in enumerate(scenario.changes))]:
         check_gait(command.given(), robot.card.gait_limits, prefix)
+    for joint in scenario.joint_frictions:
+        if joint not in robot.joint_names:
+            raise BadInput("joint_frictions", joint, "one of " + ", ".join(robot.joint_names))
     at_home = np.array([robot.home, robot.velocity_limit])
     for k, change in enumerate(scenario.changes):
         try:

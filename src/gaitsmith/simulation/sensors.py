@@ -25,6 +25,7 @@ class SensorNoise(Frozen):
         encoder: rad per joint.
         encoder_step: quantisation of the joint angles, rad; 0 for none.
         attitude: rad per axis of a rotation vector in body axes.
+        sole_force: share of the robot's weight per sole.
     """
 
     gyro: Deviation = 0.02
@@ -33,18 +34,26 @@ class SensorNoise(Frozen):
     encoder: Deviation = 3e-4
     encoder_step: Deviation = 1e-4
     attitude: Deviation = 0.005
+    sole_force: Deviation = 0.01
 
     def bias(self, seed: int) -> npt.NDArray[np.float64]:
         """Constant accelerometer bias, body axes, (3,) in m/s², of magnitude ``accelerometer_bias``."""
         direction = np.random.default_rng([seed, 0xB1]).standard_normal(3)
         return self.accelerometer_bias * direction / np.linalg.norm(direction)
 
-    def blocks(self, n_joints: int, seed: int) -> Iterator[npt.NDArray[np.float64]]:
-        """Endless blocks of noise, one row a sample: gyro (3), accelerometer (3), attitude (3), encoders."""
-        rng = np.random.default_rng([seed, 0xB2])
+    def blocks(self, n_joints: int, n_soles: int, weight: float, seed: int) -> Iterator[npt.NDArray[np.float64]]:
+        """Endless blocks of noise, one row a sample: gyro (3), accelerometer (3), attitude (3), encoders, soles.
+
+        Args:
+            n_joints: encoders.
+            n_soles: force sensors.
+            weight: of the robot, N.
+            seed: of the noise.
+        """
+        body, soles = np.random.default_rng([seed, 0xB2]), np.random.default_rng([seed, 0xB4])
         scale = np.repeat([self.gyro, self.accelerometer, self.attitude, self.encoder], [3, 3, 3, n_joints])
-        block = np.empty((_BLOCK, 9 + n_joints))
+        block = np.empty((_BLOCK, 9 + n_joints + n_soles))
         while True:
-            rng.standard_normal(out=block)
-            block *= scale
+            block[:, : len(scale)] = scale * body.standard_normal((_BLOCK, len(scale)))
+            block[:, len(scale) :] = self.sole_force * weight * soles.standard_normal((_BLOCK, n_soles))
             yield block

@@ -252,4 +252,6 @@ def read_sensors(address: int, noisy: int) -> None:
     for j in range(nj):
         angle = out.joint_position[j] + noise[9 + j]
         out.joint_position[j] = math.floor(angle / step + 0.5) * step if step > 0.0 else angle
+    for leg in range(out.sole_force.shape[0]):
+        out.sole_force[leg] = max(out.sole_force[leg] + noise[9 + nj + leg], 0.0)
     turn_quaternion(out.base_quaternion, noise[6], noise[7], noise[8])

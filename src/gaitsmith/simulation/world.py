@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from gaitsmith.errors import GaitsmithError
 from gaitsmith.robots import Robot
@@ -52,7 +53,9 @@ def add_ground(spec: mujoco.MjSpec, terrain: Terrain, region: Region, friction: 
         )
 
 
-def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float, balls: int) -> tuple[mujoco.MjModel, int, int]:
+def build(
+    spec: mujoco.MjSpec, robot: Robot, joint_friction: npt.NDArray[np.float64], balls: int
+) -> tuple[mujoco.MjModel, int, int]:
     """Add the sensors that the kernels read and build the model; also the sensors' first addresses."""
     body, subtree = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_XBODY
     names = [robot.model.body(b).name for b in range(robot.model.nbody)]
@@ -88,12 +91,11 @@ def build(spec: mujoco.MjSpec, robot: Robot, joint_friction: float, balls: int) 
         model = spec.compile()
     except ValueError as error:
         raise PlantError(f"the physics engine refused the model: {error}") from None
-    joints = slice(6, robot.model.nv)
+    joints = 6 + np.flatnonzero(joint_friction > 0.0)
     model.dof_armature[model.nv - 6 * balls :] = model.dof_damping[model.nv - 6 * balls :] = 0.0  # no robot's joints
-    if joint_friction > 0.0:
-        model.dof_frictionloss[joints] += joint_friction
-        model.dof_solref[joints] = _SOLREF
-        model.dof_solimp[joints, :2] = _STICTION
+    model.dof_frictionloss[joints] += joint_friction[joints - 6]
+    model.dof_solref[joints] = _SOLREF
+    model.dof_solimp[joints, :2] = _STICTION
     return model, int(model.sensor_adr[n_before]), int(model.sensor_adr[n_imu])
 
 
