@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from gaitsmith.cli import main
 from gaitsmith.cli.arguments import parse
-from gaitsmith.cli.run_folder import check_new_folder, scenario_toml
 from gaitsmith.cli.walk import WalkArguments, scenario_from
 from gaitsmith.errors import BadInput
 from gaitsmith.log import read_log
 from gaitsmith.simulation import Episode, Scenario, Simulation, load_scenario
+from gaitsmith.simulation.run_folder import check_new_folder, scenario_toml
 from gaitsmith.simulation.scenario import make_scenario
 
 SHORT = ["--duration", "0.3", "--rest-before", "0.1"]

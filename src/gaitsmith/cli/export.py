@@ -10,9 +10,9 @@ from pydantic import Field
 from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, Outcome
 from gaitsmith.cli.inputs import planned_gait
-from gaitsmith.cli.run_folder import check_file
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
+from gaitsmith.simulation.run_folder import check_file
 
 
 class ExportArguments(Arguments):

@@ -8,9 +8,9 @@ from typing import Annotated
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, Outcome, printable
-from gaitsmith.cli.run_folder import LOG, SUMMARY, write_summary
 from gaitsmith.documents import About
 from gaitsmith.files import lock, open_regular, replacing
+from gaitsmith.simulation.run_folder import LOG, SUMMARY, write_summary
 
 
 class CheckArguments(Arguments):

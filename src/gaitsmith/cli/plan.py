@@ -12,9 +12,9 @@ from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome
 from gaitsmith.cli.inputs import named_robot
 from gaitsmith.cli.plan_arguments import CLAIMS, SWEEP, PlanArguments, request_from, task_of
 from gaitsmith.cli.plan_report import plan_lines
-from gaitsmith.cli.run_folder import NewFolder, check_file, check_new_folder
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted
+from gaitsmith.simulation.run_folder import NewFolder, check_file, check_new_folder
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot

@@ -10,11 +10,11 @@ from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, 
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
 from gaitsmith.cli.inputs import tell_old_card
 from gaitsmith.cli.interrupts import stop_if_heard
-from gaitsmith.cli.run_folder import FIGURE_ROWS, LOG, NewFolder, check_new_folder, scenario_toml, write_summary
 from gaitsmith.cli.walk_report import report
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted, write_text_atomic
+from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, NewFolder, check_new_folder, scenario_toml, write_summary
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
 if TYPE_CHECKING:

@@ -33,7 +33,7 @@ from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.summary import Fall, LogCounts, Memory, Summary
-from gaitsmith.simulation.terrain import parse_terrain
+from gaitsmith.simulation.terrain import Region, parse_terrain
 from gaitsmith.simulation.tour import Guide
 from gaitsmith.simulation.wall_time import WallTimes
 
@@ -75,10 +75,12 @@ class Simulation:
         record: whether to keep a log, in a temporary file; or the path of a new file, or what opens one, unbuffered,
             once everything else is right.
         commands: instead of the scenario's walk, changes and rest.
+        region: where ground is needed, if the commands lead elsewhere than the scenario.
 
     Attributes:
         robot, plant, controller: the closed loop's parts.
         loop: that closes it.
+        columns: telemetry of the controller and the plant's truth, by name.
         fall: the fall, None while upright.
         ticks: after which it is over, if nothing ends it before.
 
@@ -94,6 +96,7 @@ class Simulation:
         controller: Controller | None = None,
         record: bool | str | Path | Callable[[], BinaryIO] = True,
         commands: Commands | None = None,
+        region: Region | None = None,
     ) -> None:
         self.scenario = scenario
         self.robot = robot if robot is not None else load_robot(scenario.robot)
@@ -116,13 +119,13 @@ class Simulation:
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),
             sensors=scenario.sensors if scenario.state == "estimated" else None,
-            region=scenario.region() if self.plan is None else region_of(self.plan, scenario),
+            region=region or (scenario.region() if self.plan is None else region_of(self.plan, scenario)),
             props=balls_of(self.plan, self.robot),
             **scenario.model_dump(include=_PLANT),
         )
         for push in scenario.pushes:
             self.plant.push(np.zeros(3), push.body, push.joint)
-        self._columns = Columns(
+        self.columns = Columns(
             (self.controller.telemetry_columns, self.controller.telemetry_buffer),
             ([f"true.{name}" for name in self.plant.truth_columns], self.plant.truth_buffer),
         )
@@ -130,7 +133,7 @@ class Simulation:
         self._warm_up()
         self.ticks = max(1, round(scenario.duration / step))
         self._monitor = self._make_monitor()
-        self._disturber = Disturber(scenario.pushes, self.plant, self._columns, lambda event: self.loop.tell(event))
+        self._disturber = Disturber(scenario.pushes, self.plant, self.columns, lambda event: self.loop.tell(event))
         self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
@@ -162,7 +165,7 @@ class Simulation:
 
     def _make_monitor(self) -> Monitor:
         step = self.plant.control_step
-        return Monitor(self.robot, self.controller.parameters, self._columns, step, self._commanded())
+        return Monitor(self.robot, self.controller.parameters, self.columns, step, self._commanded())
 
     def _commanded(self) -> dict[str, Any]:
         """What is commanded at first: gait inputs, or the speed of the plan."""
@@ -177,7 +180,7 @@ class Simulation:
             "control_step": self.plant.control_step,
             "gait": self._commanded(),
         }
-        return Recorder(file, self._columns.buffers, self._columns.names, notes, DECIMATION)
+        return Recorder(file, self.columns.buffers, self.columns.names, notes, DECIMATION)
 
     @property
     def time(self) -> float:
@@ -196,13 +199,17 @@ class Simulation:
 
     @cached_property
     def _fall(self) -> Fall:
-        phase = phase_in_words(self._columns) if self._tracked is None else self._tracked.phase
-        return explain(self._monitor, self.time, phase, refused_readings(self._columns))
+        phase = phase_in_words(self.columns) if self._tracked is None else self._tracked.phase
+        return explain(self._monitor, self.time, phase, refused_readings(self.columns))
 
     @property
     def fall(self) -> Fall | None:
         """The fall, None while upright."""
         return self._fall if self._monitor.state != UPRIGHT else None
+
+    def watch(self, observer: Observer) -> None:
+        """Let one more observer see every tick, after the others."""
+        self.loop.observers = (*self.loop.observers, observer)
 
     def step(self) -> bool:
         """One control tick; False once the run is over, by its duration or by a fall.
@@ -291,7 +298,7 @@ class Simulation:
             self.scenario,
             self.robot,
             self._monitor,
-            self._columns,
+            self.columns,
             duration=self.time,
             fall=self.fall,
             interrupted=self.interrupted,

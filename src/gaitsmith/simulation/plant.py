@@ -301,16 +301,25 @@ class Plant:
             raise BadInput("push.body", body, "one of " + ", ".join(names))
         return int(found)
 
+    def ground_forces(self) -> npt.NDArray[np.float64]:
+        """(n, 6) place (world, m) and force on the robot (world axes, N) of every contact of robot and ground."""
+        found, force = [], np.zeros(6)
+        for index, contact in enumerate(self._data.contact[: self._data.ncon]):
+            first, second = self._model.geom_bodyid[contact.geom]
+            if min(first, second) == 0 and max(first, second) < self._robot.model.nbody:
+                mujoco.mj_contactForce(self._model, self._data, index, force)
+                # The contact frame's first axis points from the first body to the second.
+                found.append(
+                    (*contact.pos, *((1.0 if first == 0 else -1.0) * contact.frame.reshape(3, 3).T @ force[:3]))
+                )
+        return np.array(found).reshape(-1, 6)
+
     def zmp(self) -> tuple[float, float] | None:
         """Centre of the vertical forces between robot and ground, world, m; None in the air."""
-        total = x = y = 0.0
-        force = np.zeros(6)
-        for index, contact in enumerate(self._data.contact[: self._data.ncon]):
-            bodies = self._model.geom_bodyid[contact.geom]
-            if bodies.min() == 0 and bodies.max() < self._robot.model.nbody:
-                mujoco.mj_contactForce(self._model, self._data, index, force)
-                total, x, y = total + force[0], x + force[0] * contact.pos[0], y + force[0] * contact.pos[1]
-        return (x / total, y / total) if total > 1.0 else None
+        found = self.ground_forces()
+        total = float(found[:, 5].sum())
+        x, y = found[:, 5] @ found[:, :2] / total if total > 1.0 else (0.0, 0.0)
+        return (float(x), float(y)) if total > 1.0 else None
 
 
 _hearing = threading.local()

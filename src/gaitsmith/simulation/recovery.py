@@ -80,7 +80,7 @@ def summary_of(path: Path) -> Summary:
                 while waiting and waiting[0]["time"] < row[0]:
                     event = waiting.popleft()
                     monitor.hear(event)
-                    if "push" in event and not event.get("over"):
+                    if "push" in event and event["push"] < len(started) and not event.get("over"):
                         started[event["push"]] = event["time"]
                 monitor.observe(rows)
                 rows += 1

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from gaitsmith.cli import plan as command
-from gaitsmith.cli.run_folder import check_file
 from gaitsmith.errors import BadInput
+from gaitsmith.simulation.run_folder import check_file
 
 
 def test_files_that_cannot_be_written(tmp_path: Path) -> None:
