@@ -10,3 +10,4 @@ def test_every_figure_is_drawn(dynamic, robot, tmp_path):
         content = path.read_bytes()
         assert content.startswith(b"\x89PNG")
         assert content.endswith(b"IEND\xaeB`\x82")
+        assert path.with_suffix(".svg").read_text().count("m/s, step") == 1  # what it was planned for

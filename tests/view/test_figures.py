@@ -11,10 +11,22 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.log import Log
 from gaitsmith.robots.sole import Sole
-from gaitsmith.view import FIGURES, Recording, draw_speed, draw_timing, draw_torques, write_figures
+from gaitsmith.view import (
+    FIGURES,
+    Recording,
+    draw_footprints,
+    draw_speed,
+    draw_timing,
+    draw_torques,
+    save,
+    suitable,
+    write_figures,
+)
+from gaitsmith.view.landings import landings
 
 PERIOD, WIDTH = 0.4, 0.0375
 PIXELS_WIDE = 1600
+TOLD = np.array([0.02, -0.01])  # m: by how much the made-up feet miss
 
 
 def made_up_walk(seconds: float = 12.0, rate: float = 500.0, samples: int | None = None) -> Recording:
@@ -56,9 +68,18 @@ def made_up_walk(seconds: float = 12.0, rate: float = 500.0, samples: int | None
         tuple(f"foot_actual.{end}" for end in ends): feet + 0.003,
         tuple(f"true.{end.replace('.', '_sole_')}" for end in ends): soles,
         ("true.torso_x", "true.torso_y"): torso,
+        ("foothold.x", "foothold.y"): np.where((stance == 0)[:, None], feet[:, 3:5], feet[:, :2]) + TOLD,
+        ("foothold_bound", "qp_fallbacks", "true.leg_contact", "true.body_contact"): np.zeros((n, 4)),
+        ("true.left_force", "true.right_force"): 400.0 * np.column_stack([stance != 1, stance != 0]),
         ("zmp.left.x", "zmp.left.y", "zmp.right.x", "zmp.right.y"): np.tile([0.02, 0.0, 0.02, 0.0], (n, 1)),
     }
-    log = Log(tuple(name for names in blocks for name in names), np.column_stack(list(blocks.values()))[:samples])
+    notes = {
+        "gait": {"period": PERIOD, "height": 0.7},
+        "scenario": {"state": "true", "seed": 7, "pushes": [{"impulse": [0.0, 30.0, 0.0]}]},
+    }
+    events = ({"time": 9.0, "push": 0, "over": False}, {"time": 9.1, "push": 0, "over": True})
+    rows = np.column_stack(list(blocks.values()))[:samples]
+    log = Log(tuple(name for names in blocks for name in names), rows, notes=notes, events=events)
     durations = (np.geomspace(10.0, 100.0, 50), rng.integers(1, 1000, 50))
     robot = SimpleNamespace(
         card=SimpleNamespace(name="made up"),
@@ -74,7 +95,7 @@ def made_up_walk(seconds: float = 12.0, rate: float = 500.0, samples: int | None
             for k, side in enumerate(("left", "right"))
         ],
     )
-    return Recording(log, robot, durations)  # type: ignore[arg-type]
+    return Recording(log, robot, durations, seconds)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -96,8 +117,9 @@ def test_names_are_text_never_markup(walk: Recording, tmp_path: Path) -> None:
     marked = copy.copy(walk)
     marked.robot = copy.copy(walk.robot)
     marked.robot.joint_names = ("$\\frac$", *walk.robot.joint_names[1:])  # type: ignore[misc]
-    assert len(write_figures(marked, tmp_path)) == len(FIGURES)
-    assert any("$\\frac$" in axes.get_title(loc="left") for axes in draw_torques(marked).axes)
+    made = draw_torques(marked)
+    save(made, tmp_path / "torques.png")
+    assert any("$\\frac$" in axes.get_title(loc="left") for axes in made.axes)
 
 
 def test_stages_are_where_the_command_changes(walk: Recording) -> None:
@@ -125,13 +147,39 @@ def test_torque_titles_name_the_limit(walk: Recording) -> None:
 
 
 def test_a_recording_of_two_samples_is_drawn(tmp_path: Path) -> None:
-    assert len(write_figures(made_up_walk(samples=2), tmp_path)) == len(FIGURES)
+    assert len(write_figures(made_up_walk(samples=2), tmp_path)) == len(FIGURES) - 1  # no landing
 
 
 def test_timing_is_drawn_only_if_durations_are_known(walk: Recording, tmp_path: Path) -> None:
     unknown = copy.copy(walk)
     unknown.tick_us, unknown.tick_counts = np.zeros(0), np.zeros(0, dtype=np.int64)
-    assert {path.stem for path in write_figures(unknown, tmp_path)} == set(FIGURES) - {"timing"}
+    unknown.fell = None
+    assert set(suitable(unknown)) == set(FIGURES) - {"timing", "fall"}
+
+
+def test_the_vector_file_beside_says_in_text_what_was_run(walk: Recording, tmp_path: Path) -> None:
+    save(draw_speed(walk), tmp_path / "speed.png")
+    text = (tmp_path / "speed.svg").read_text()
+    for words in ("T 0.4 s, H 0.7 m, true state, seed 7", "push 30 N·s", "fell", "m/s"):
+        assert words in text
+    save(draw_speed(walk), tmp_path / "again.png")
+    assert text == (tmp_path / "again.svg").read_text()
+
+
+def test_landings_are_missed_by_what_the_walk_was_made_up_with(walk: Recording) -> None:
+    found = landings(walk)
+    assert len(found) == pytest.approx(11.0 / PERIOD, abs=2)
+    for item in found:
+        np.testing.assert_allclose(item.error, TOLD - 0.003 * np.ones(2), atol=1e-12)
+        assert np.linalg.norm(item.told - item.came) == pytest.approx(np.hypot(*item.error), abs=0.02)
+
+
+def test_a_straight_walk_is_written_in_rows_to_scale() -> None:
+    walk = made_up_walk()
+    walk.height_command = walk.height_command / 3.0  # a small robot, which has gone far
+    made = draw_footprints(walk)
+    assert len(made.axes) > 1
+    assert all(axis.get_aspect() == 1.0 for axis in made.axes)
 
 
 def test_a_folder_that_is_not_there_is_refused(walk: Recording, tmp_path: Path) -> None:

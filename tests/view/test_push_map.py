@@ -19,7 +19,7 @@ def test_every_push_is_a_cell_and_is_counted(tmp_path):
     seconds[2, 3], seconds[5, 0] = 1.5, np.nan
     made = draw_push_map("15 N·s", seconds, 10.0)
     assert len(_cells(made)) == 96
-    assert made.get_suptitle() == "15 N·s: 94 of 95 survived"
+    assert made.texts[0].get_text() == "15 N·s: 94 of 95 survived"
     assert save(made, tmp_path / "map.png").stat().st_size > 10_000
 
 

@@ -143,7 +143,8 @@ def _draw(folder: Path, simulation: Simulation) -> None:
 
             if len(log.rows) == FIGURE_ROWS and log.time[0] > 1.0:
                 display.say(f"the figures show the run from {log.time[0]:.0f} s on; the log has all of it")
-            write_figures(Recording(log, simulation.robot, simulation.wall_times.histogram()), folder)
+            fell = simulation.fall.time if simulation.fall else None
+            write_figures(Recording(log, simulation.robot, simulation.wall_times.histogram(), fell), folder)
         except (GaitsmithError, OSError, MemoryError) as error:
             display.say(f"figures: {error}; log and summary are in {folder}")
 

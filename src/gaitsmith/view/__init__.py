@@ -1,14 +1,17 @@
-"""Figures of an episode as PNG files, drawn without a display."""
+"""Figures of an episode as PNG and SVG files, drawn without a display."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from gaitsmith.view.canvas import save as save
+from gaitsmith.view.fall import draw_fall as draw_fall
 from gaitsmith.view.footprints import draw_footprints as draw_footprints
+from gaitsmith.view.landings import draw_landings as draw_landings
 from gaitsmith.view.push_map import draw_push_map as draw_push_map
 from gaitsmith.view.recording import Recording as Recording
 from gaitsmith.view.tracking import draw_feet as draw_feet
@@ -25,16 +28,27 @@ FIGURES: dict[str, Callable[[Recording], Figure]] = {
     "feet": draw_feet,
     "torques": draw_torques,
     "footprints": draw_footprints,
+    "landings": draw_landings,
+    "fall": draw_fall,
     "timing": draw_timing,
 }
 """Every figure by the name of its file."""
 
 
+def suitable(recording: Recording) -> dict[str, Callable[[Recording], Figure]]:
+    """Figures that a recording has something for: ``timing`` with durations, ``landings`` of steps, ``fall`` of one."""
+    absent = {
+        "timing": not len(recording.tick_us),
+        "landings": not np.any(recording.walking & (recording.stance < 2)),
+        "fall": recording.fell is None,
+    }
+    return {name: draw for name, draw in FIGURES.items() if not absent.get(name)}
+
+
 def write_figures(recording: Recording, folder: Path) -> list[Path]:
-    """Draw every figure of a recording into a folder, as ``<name>.png``; ``timing`` only if durations are known.
+    """Draw every suitable figure of a recording into a folder, as ``<name>.png`` and ``<name>.svg``.
 
     Raises:
         BadInput: the folder cannot be written.
     """
-    wanted = {name: draw for name, draw in FIGURES.items() if name != "timing" or len(recording.tick_us)}
-    return [save(draw(recording), folder / f"{name}.png") for name, draw in wanted.items()]
+    return [save(draw(recording), folder / f"{name}.png") for name, draw in suitable(recording).items()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from gaitsmith.files import write_bytes_atomic
 from gaitsmith.robots.sole import Sole
@@ -21,9 +23,13 @@ from gaitsmith.view.recording import Recording
 # Okabe and Ito's palette: told apart by every kind of colour vision, and in grey.
 COMMAND, LEFT, RIGHT, THIRD = "#000000", "#0072B2", "#D55E00", "#009E73"
 LIMIT, BAND, GRID = "#999999", "#F1F3F5", "#D9DDE1"
+_LINE_LENGTH = 120  # characters
+_ROW = 0.05  # s: a fall may come between the last row of a log and the next
 WIDTH, DPI = 10.0, 160  # inches and dots per inch: 1600 pixels wide
 _LINE_SOLE = 0.012  # m: half the width a line sole is drawn with
-_POINTS = 4000  # samples drawn per curve: more than the pixels across
+_POINTS = 2000  # samples drawn per curve: more than the pixels across
+BAD = "#C1121F"  # falls, limits that are hit
+PUSH = "#CC79A7"
 
 STYLE: dict[Any, Any] = {
     "font.size": 11.0,
@@ -42,29 +48,53 @@ STYLE: dict[Any, Any] = {
     "legend.borderaxespad": 0.2,
     "figure.constrained_layout.use": True,
     "text.parse_math": False,  # names are text
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "gaitsmith",  # the same picture, the same file
 }
 
 
 @contextmanager
-def figure(title: str, height: float) -> Iterator[Figure]:
-    """A blank figure 1600 pixels wide and ``height`` inches high, in the common style."""
+def figure(title: str, height: float, conditions: str = "") -> Iterator[Figure]:
+    """A blank figure 1600 pixels wide and ``height`` inches high, in the common style.
+
+    Args:
+        title: what it shows, of which robot.
+        height: inches.
+        conditions: a second line under the title, such as the parameters of the walk.
+    """
+    lines = textwrap.wrap(conditions, _LINE_LENGTH)
     with mpl.rc_context(STYLE):
         made = Figure(figsize=(WIDTH, height), dpi=DPI)
-        made.suptitle(title, x=0.01, ha="left", fontsize=13.0, fontweight="bold")
+        made.text(0.01, 1.0 - 0.07 / height, title, va="top", ha="left", fontsize=13.0, fontweight="bold")
+        for number, line in enumerate(lines):
+            made.text(0.01, 1.0 - (0.31 + 0.19 * number) / height, line, va="top", ha="left", fontsize=10.0)
+        engine = made.get_layout_engine()
+        assert isinstance(engine, ConstrainedLayoutEngine)
+        engine.set(rect=(0.0, 0.0, 1.0, 1.0 - (0.36 + 0.19 * len(lines)) / height))
         yield made
 
 
 def save(made: Figure, path: Path) -> Path:
-    """Write a PNG.
+    """Write a PNG, and the same as SVG beside it.
 
     Raises:
         BadInput: the folder cannot be written.
     """
+    write_bytes_atomic(path.with_suffix(".svg"), as_svg(made))
+    made.set_layout_engine("none")  # it is laid out: once is enough
     content = io.BytesIO()
     with mpl.rc_context(STYLE):
         made.savefig(content, format="png", dpi=DPI, metadata={"Software": "gaitsmith"})
     write_bytes_atomic(path, content.getvalue())
     return path
+
+
+def as_svg(made: Figure) -> bytes:
+    """A figure as SVG: curves are curves, text is text, and nothing tells of when it was drawn."""
+    content = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        made.savefig(content, format="svg", metadata={"Date": None, "Creator": "gaitsmith"})
+    return content.getvalue()
 
 
 def sampled(recording: Recording, span: slice = slice(None)) -> slice:
@@ -74,11 +104,33 @@ def sampled(recording: Recording, span: slice = slice(None)) -> slice:
 
 
 def mark_stages(axes: Sequence[Axes], recording: Recording) -> None:
-    """Shade every second stage of constant command."""
+    """Shade every second stage of constant command, and mark pushes and the fall."""
     for index, stage in enumerate(recording.stages()):
         if index % 2:
             for axis in axes:
                 axis.axvspan(stage.begin, stage.end, color=BAND, zorder=0, linewidth=0.0)
+    mark_events(axes, recording)
+
+
+def mark_events(axes: Sequence[Axes], recording: Recording) -> None:
+    """Pushes as bands, the fall as a line, named in the first panel."""
+    low, high = float(recording.time[0]), float(recording.time[-1])
+    for number, axis in enumerate(axes):
+        for push in recording.pushes:
+            if low <= push.begin <= high:
+                axis.axvspan(push.begin, push.end, color=PUSH, alpha=0.5, zorder=1, linewidth=0.0)
+                if number == 0:
+                    axis.annotate(
+                        f"push {push.words}", (push.end, 1.0), xycoords=("data", "axes fraction"),
+                        xytext=(3.0, -3.0), textcoords="offset points", va="top", fontsize=9.0, color=PUSH,
+                    )  # fmt: skip
+        if recording.fell is not None and low <= recording.fell <= high + _ROW:
+            axis.axvline(recording.fell, color=BAD, linewidth=1.5, zorder=4)
+            if number == 0:
+                axis.annotate(
+                    "fell", (recording.fell, 0.0), xycoords=("data", "axes fraction"),
+                    xytext=(-3.0, 3.0), textcoords="offset points", ha="right", va="bottom", fontsize=9.0, color=BAD,
+                )  # fmt: skip
 
 
 def above(axis: Axes, columns: int) -> None:

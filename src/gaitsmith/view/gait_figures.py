@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -13,138 +12,162 @@ from matplotlib.patches import Polygon
 
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.unrolled import UnrolledGait
-from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, figure, save, sole_corners
+from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
+from gaitsmith.synthesis.motions.biped import biped_from
+from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, save, sole_corners
+from gaitsmith.view.gait_trace import Array, GaitTrace
+from gaitsmith.view.sticks import draw_sticks
 
-_SAMPLES = 60  # a phase
-_STICKS = 30  # figures in a stick plot
-_WALKS = 0.5  # m travelled, from which figures seen from the side need no spreading
-_APART = (0.3, 0.3)  # m, from the side and from the front
-
-
-class _Trace:
-    """A gait sampled: time (N,), its samples, places of the bodies (N, bodies, 3) and of heel and toe (N, 2, 3), m."""
-
-    def __init__(self, gait: Gait, robot: Robot) -> None:
-        self.gait, self.robot, self.title = gait, robot, f"{robot.card.name}: {gait.motion.name}"
-        self.time = np.linspace(0.0, gait.duration, _SAMPLES * len(gait.motion.phases))
-        self.samples, data = UnrolledGait(gait, robot, 1).at(self.time), mujoco.MjData(robot.model)
-        self.bodies = np.zeros((len(self.time), robot.model.nbody, 3))
-        self.soles = np.zeros((len(robot.legs), len(self.time), 2, 3))
-        for k, position in enumerate(self.samples.position):
-            data.qpos[:] = position
-            mujoco.mj_kinematics(robot.model, data)
-            self.bodies[k] = data.xpos
-            for leg, soles in zip(robot.legs, self.soles, strict=True):
-                site = data.site(leg.sole_site)
-                for end, x in enumerate((-leg.sole.heel, leg.sole.toe)):
-                    soles[k, end] = site.xpos + x * site.xmat.reshape(3, 3)[:, 0]
-
-    def sides(self, axes: Axes, left: npt.NDArray[np.float64], right: npt.NDArray[np.float64], title: str) -> None:
-        """A curve of either side over time, double support shaded."""
-        borders = self.gait.motion.borders
-        for index, phase in enumerate(self.gait.motion.phases):
-            if phase.double:
-                axes.axvspan(borders[index], borders[index + 1], color=BAND, zorder=0)
-        axes.set_xlim(float(borders[0]), float(borders[-1]))
-        axes.plot(self.time, left, color=LEFT, label="left")
-        axes.plot(self.time, right, color=RIGHT, label="right")
-        axes.set_title(title, fontsize=9.0)
+_UNROLLED = 4  # steps of a cyclic gait in the figures of places
 
 
-def _sticks(trace: _Trace) -> Figure:
-    robot, torso = trace.robot, trace.robot.torso_body
-    # Figures that would stand on the same spot are spread along time.
-    stays = np.ptp(trace.bodies[:, torso, 0]) < _WALKS
-    spacing = (_APART[0] if stays else 0.0, _APART[1])
-    with figure(trace.title, 3.6 if stays else 7.0) as made:
-        side, front = made.subplots(2, 1)
-        chosen = np.linspace(0, len(trace.time) - 1, _STICKS).astype(int)
-        chains = [[torso, *robot.model.jnt_bodyid[leg.joint_indices + 1]] for leg in robot.legs]
-        for axes, axis, sign, title in ((side, 0, 1.0, "from the side"), (front, 1, -1.0, "from the front")):
-            for order, k in enumerate(chosen):
-                trunk = trace.bodies[k, torso]
-                lines = [(np.array([trunk, trunk + np.array([0.0, 0.0, 0.3])]), COMMAND, 1.0)]
-                for sole, chain, colour in zip(trace.soles, chains, (LEFT, RIGHT), strict=True):
-                    lines += [(trace.bodies[k, chain], colour, 1.0), (sole[k], colour, 1.6)]
-                for points, colour, width in lines:
-                    along, shade = sign * points[:, axis] + spacing[axis] * order, 0.25 + 0.75 * order / _STICKS
-                    axes.plot(along, points[:, 2], color=colour, alpha=shade, lw=width)
-            axes.set_aspect("equal")
-            axes.set(title=title, ylabel="z, m")
-        side.set_xlabel("x, m" + (", figures spread along time" if stays else ""))
-        front.set_xlabel("y, m, figures spread along time")
-    return made
-
-
-def _joints(trace: _Trace) -> Figure:
+def draw_gait_joints(trace: GaitTrace) -> Figure:
+    """Angles, speeds and torques of both legs' joints."""
     robot, samples, (left, right) = trace.robot, trace.samples, trace.robot.legs
     rows = len(left.joint_indices)
-    with figure(f"{trace.title}, joints", 2.0 * rows) as made:
+    with figure(f"{trace.title}, joints", 2.0 * rows + 0.6, trace.conditions) as made:
         grid = made.subplots(rows, 3, sharex=True)
         for row, (one, two) in enumerate(zip(left.joint_indices, right.joint_indices, strict=True)):
             speed, torque = robot.velocity_limit[one], robot.torque_limit[one]
             curves = (
-                (samples.position[:, 7:], (robot.position_low[one], robot.position_high[one]), "rad"),
-                (samples.velocity[:, 6:], (-speed, speed), "rad/s"),
-                (samples.torque, (-torque, torque), "N·m"),
+                (samples.position[:, 7:], (robot.position_low[one], robot.position_high[one]), "angle, rad"),
+                (samples.velocity[:, 6:], (-speed, speed), "speed, rad/s"),
+                (samples.torque, (-torque, torque), "torque, N·m"),
             )
             name = robot.joint_names[one].replace("left_", "")
             for axes, (values, limits, unit) in zip(grid[row], curves, strict=True):
-                title = f"{name}, limits {limits[0]:g} to {limits[1]:g}"
+                title = f"{name}, limits {limits[0]:.3g} to {limits[1]:.3g}"
                 trace.sides(axes, values[:, one], values[:, two], title)
                 low, high = axes.get_ylim()
                 for limit in limits:
                     if low - 0.5 * (high - low) <= limit <= high + 0.5 * (high - low):
                         axes.axhline(float(limit), color=LIMIT, ls="--")
                 axes.set_ylabel(unit)
-        _finish(grid)
+        _finish(made, grid)
     return made
 
 
-def _ground(trace: _Trace) -> Figure:
-    with figure(f"{trace.title}, ZMP and CoG over the footprints", 5.0) as made:
-        axes = made.subplots()
-        phases = trace.gait.motion.phases
-        stood = [(phase.support, phase.foothold) for phase in phases]
-        for side, place in dict.fromkeys([*stood, *((phase.other_foot, phase.other) for phase in phases)]):
-            if place is not None:
-                leg, colour = (0, LEFT) if side == "left" else (1, RIGHT)
-                corners = place + sole_corners(trace.robot.legs[leg].sole)
-                axes.add_patch(Polygon(corners, fill=False, edgecolor=colour))
-        axes.plot(*trace.samples.com.T[:2], color=THIRD, label="CoG")
-        axes.plot(*trace.samples.zmp.T, color=COMMAND, lw=1.0, label="ZMP")
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.set(xlabel="x, m", ylabel="y, m")
-        axes.legend(loc="upper right")
+def draw_ground(trace: GaitTrace) -> Figure:
+    """ZMP and CoG over footprints and support polygons, from above and with time; and how far inside they are."""
+    places = np.vstack([trace.samples.zmp, trace.samples.com[:, :2]])
+    length, breadth = np.ptp(places, axis=0) + np.array([0.25, 0.25])
+    height = float(np.clip(9.0 * breadth / length, 1.8, 4.5))
+    with figure(f"{trace.title}, ZMP and CoG", height + 5.4, trace.conditions) as made:
+        top, forward, sideways, margin = made.subplots(4, 1, height_ratios=(height, 1.3, 1.3, 1.3))
+        draw_plane(top, trace)
+        draw_over_time((forward, sideways), trace)
+        draw_margin(margin, trace)
+        margin.set_xlabel("time, s")
     return made
 
 
-def _reactions(trace: _Trace) -> Figure:
+def draw_plane(axes: Axes, trace: GaitTrace) -> None:
+    """From above: footprints, support polygons, ZMP and CoG; numbers are times, s."""
+    phases = trace.gait.motion.phases
+    biped = biped_from(trace.robot)
+    for phase in phases:
+        axes.add_patch(Polygon(hull(contact_points(biped, phase)), facecolor=BAND, edgecolor="none", zorder=0))
+    stood = [(phase.support, phase.foothold) for phase in phases]
+    for side, place in dict.fromkeys([*stood, *((phase.other_foot, phase.other) for phase in phases)]):
+        if place is not None:
+            leg, colour = (0, LEFT) if side == "left" else (1, RIGHT)
+            corners = place + sole_corners(trace.robot.legs[leg].sole)
+            axes.add_patch(Polygon(corners, fill=False, edgecolor=colour))
+    for values, colour, name in ((trace.samples.com[:, :2], THIRD, "CoG"), (trace.samples.zmp, COMMAND, "ZMP")):
+        axes.plot(*values.T, color=colour, lw=1.2, label=name)
+    last = np.array([np.inf, 0.0])
+    for k in np.linspace(0, len(trace.time) - 1, 16).astype(int):
+        x, y = trace.samples.zmp[k]
+        if np.hypot(x - last[0], y - last[1]) < 0.04 * (np.ptp(trace.samples.com[:, 0]) + 0.25):
+            continue
+        last = trace.samples.zmp[k]
+        axes.plot(x, y, "o", color=COMMAND, markersize=3.0)
+        axes.annotate(
+            f"{trace.time[k]:.1f}", (x, y), xytext=(3, 3), textcoords="offset points", fontsize=8.0, color=COMMAND
+        )
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x, m", ylabel="y, m")
+    axes.set_title("from above; shaded: support polygons; numbers: time, s", fontsize=10.0)
+    above(axes, 2)
+
+
+def draw_over_time(axes: tuple[Axes, Axes], trace: GaitTrace) -> None:
+    """ZMP and CoG forward and sideways, with the support polygon's extent."""
+    extent = _extents(trace)
+    for column, (axis, name) in enumerate(zip(axes, ("x", "y"), strict=True)):
+        axis.fill_between(
+            trace.time, extent[:, column, 0], extent[:, column, 1], color=BAND, step="post", label="support polygon"
+        )
+        axis.plot(trace.time, trace.samples.com[:, column], color=THIRD, label="CoG")
+        axis.plot(trace.time, trace.samples.zmp[:, column], color=COMMAND, lw=1.2, label="ZMP")
+        axis.set_ylabel(f"{name}, m")
+        axis.set_xlim(float(trace.time[0]), float(trace.time[-1]))
+    axes[0].legend(loc="upper left", fontsize=9.0)
+
+
+def draw_margin(axes: Axes, trace: GaitTrace) -> None:
+    """Distance of ZMP and CoG from the edge of the support polygon; negative outside."""
+    trace.shade(axes)
+    for values, colour, name in ((trace.samples.com[:, :2], THIRD, "CoG"), (trace.samples.zmp, COMMAND, "ZMP")):
+        axes.plot(trace.time, 1e3 * depth(trace, values), color=colour, lw=1.2, label=name)
+    axes.axhline(0.0, color=LIMIT, linewidth=1.0)
+    axes.set_ylabel("inside the\npolygon, mm")
+
+
+def depth(trace: GaitTrace, points: Array) -> Array:
+    """(N,) how far points (N, 2) lie inside the support polygon of their instants, m; negative outside."""
+    biped, hulls = biped_from(trace.robot), dict[Phase, Array]()
+    for phase in trace.samples.phases:
+        if phase not in hulls:
+            hulls[phase] = hull(contact_points(biped, phase))
+    pairs = zip(trace.samples.phases, points, strict=True)
+    return np.array([float(inside(hulls[phase], point[:, None])[0]) for phase, point in pairs])
+
+
+def _extents(trace: GaitTrace) -> Array:
+    """(N, 2, 2) lowest and highest x and y of the support polygon, m."""
+    biped, found = biped_from(trace.robot), dict[Phase, Array]()
+    for phase in trace.samples.phases:
+        if phase not in found:
+            corners = contact_points(biped, phase)
+            found[phase] = np.stack([corners.min(axis=0), corners.max(axis=0)], axis=1)
+    return np.array([found[phase] for phase in trace.samples.phases])
+
+
+def draw_reactions(trace: GaitTrace) -> Figure:
+    """Force and moment of the ground on either sole."""
     wrench = trace.samples.wrench.T
-    with figure(f"{trace.title}, ground reactions", 6.0) as made:
+    with figure(f"{trace.title}, ground reactions", 6.0, trace.conditions) as made:
         grid = made.subplots(2, 3, sharex=True)
         for k, axes in enumerate(grid.flat):
-            title = f"{('force', 'moment')[k // 3]} {'xyz'[k % 3]}, {('N', 'N·m')[k // 3]}"
+            title = f"{('force', 'moment')[k // 3]} {'xyz'[k % 3]}"
             trace.sides(axes, wrench[k], wrench[6 + k], title)
-        _finish(grid)
+            axes.set_ylabel(("N", "N·m")[k // 3])
+        _finish(made, grid)
     return made
 
 
-def _finish(grid: npt.NDArray[np.object_]) -> None:
+def _finish(made: Figure, grid: npt.NDArray[np.object_]) -> None:
     """Legend and axis of time of panels."""
-    grid[0][0].legend(loc="best")
+    made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     for axes in grid[-1]:
         axes.set_xlabel("time, s")
 
 
 def write_gait_figures(gait: Gait, robot: Robot, folder: Path) -> list[Path]:
-    """Write all figures of a gait into a folder; returns their paths.
+    """Write all figures of a gait into a folder, as PNG and SVG; returns the PNGs' paths.
 
     Raises:
         BadInput: the folder cannot be written.
     """
-    trace = _Trace(gait, robot)
+    trace = GaitTrace(gait, robot)
+    places = GaitTrace(gait, robot, _UNROLLED) if trace.cyclic else trace
     folder.mkdir(parents=True, exist_ok=True)
-    figures = {"sticks": _sticks, "joints": _joints, "ground": _ground, "reactions": _reactions}
-    return [save(draw(trace), folder / f"{name}.png") for name, draw in figures.items()]
+    figures = {
+        "sticks": draw_sticks(places),
+        "joints": draw_gait_joints(trace),
+        "ground": draw_ground(places),
+        "reactions": draw_reactions(trace),
+    }
+    return [save(made, folder / f"{name}.png") for name, made in figures.items()]

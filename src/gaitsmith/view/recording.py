@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,15 @@ class Stage(NamedTuple):
     speed_y: float
 
 
+class PushMark(NamedTuple):
+    """A push: when it began and ended, s, the world's impulse (3,), N·s, and in words."""
+
+    begin: float
+    end: float
+    impulse: tuple[float, ...]
+    words: str
+
+
 class Recording:
     """One run, sampled at n instants; SI units, radians.
 
@@ -30,9 +39,12 @@ class Recording:
         log: of the run; speed, attitude and places are the true ones, or those believed where nobody knew the truth.
         robot: that walked; gives joint names, limits and soles.
         ticks: durations of control ticks, µs, from short to long, and how many took so long, if they are known.
+        fell: when the robot fell, s; None for one that did not.
 
     Attributes:
-        title: robot and scenario, for the figures' titles.
+        title: the robot, for the figures' titles.
+        conditions: gait, preset, state, ground and seed, for the line below.
+        pushes: of the run.
         time: (n,) s.
         speed_command, speed: (n, 2) forward and lateral, of the CoM in the heading frame, m/s.
         tilt: (n, 2) roll and pitch of the torso, rad.
@@ -45,6 +57,12 @@ class Recording:
         sole_position: (n, 6) left and right sole frame, world, m.
         torso_position: (n, 2) world, m.
         zmp: (n, 4) planned, x and y in the left and the right sole frame, m.
+        walking: (n,) whether the gait template walks.
+        foothold: (n, 2) where the swing sole is told to land, hip midpoint, heading frame, m.
+        foothold_bound: (n,) whether that lies on one of its bounds.
+        sole_force: (n, 2) true normal force on the left and the right sole, N.
+        leg_contact, body_contact: (n,) contacts between the legs, and of other bodies than feet with the ground.
+        qp_fallbacks: (n,) ticks so far in which the whole-body QP fell back.
 
     Raises:
         BadInput: a column is missing from the log.
@@ -55,6 +73,7 @@ class Recording:
         log: Log,
         robot: Robot,
         ticks: tuple[Array, npt.NDArray[np.int64]] = (np.zeros(0), np.zeros(0, dtype=np.int64)),
+        fell: float | None = None,
     ) -> None:
         def columns(*names: str) -> Array:
             return np.column_stack([log.column(name) for name in names])
@@ -65,7 +84,8 @@ class Recording:
         true = "true." if "true.torso_yaw" in log.columns else "believed."
         ends = [f"{side}.{axis}" for side in _SIDES for axis in _AXES]
         left, right = log.column(true + "hip_height_left"), log.column(true + "hip_height_right")
-        self.robot, self.title, self.time = robot, robot.card.name, log.time
+        self.robot, self.title, self.time, self.fell = robot, robot.card.name, log.time, fell
+        self.conditions, self.pushes = _conditions(log.notes), _pushes(log)
         self.tick_us, self.tick_counts = ticks
         self.speed_command = columns("command.speed_x", "command.speed_y") * (log.column("mode") != 0.0)[:, None]
         self.speed = columns(true + "com_velocity_x", true + "com_velocity_y")
@@ -82,6 +102,13 @@ class Recording:
         self.torso_position = columns(true + "torso_x", true + "torso_y")
         self.zmp = columns("zmp.left.x", "zmp.left.y", "zmp.right.x", "zmp.right.y")
 
+        self.walking = log.column("mode") == 1.0
+        self.foothold = columns("foothold.x", "foothold.y")
+        self.foothold_bound = log.column("foothold_bound") != 0.0
+        self.sole_force = columns(*(f"{true}{side}_force" for side in _SIDES))
+        self.leg_contact, self.body_contact = log.column(true + "leg_contact"), log.column(true + "body_contact")
+        self.qp_fallbacks = log.column("qp_fallbacks")
+
     def stages(self) -> list[Stage]:
         """Stretches of constant commanded speed, in order."""
         changes = np.any(np.diff(self.speed_command, axis=0) != 0.0, axis=1)
@@ -97,3 +124,34 @@ class Recording:
         fastest = max(self.stages(), key=lambda stage: (np.hypot(stage.speed_x, stage.speed_y), stage.end))
         begin, end = np.searchsorted(self.time, [max(fastest.begin, fastest.end - length), fastest.end])
         return slice(int(begin), max(int(end), int(begin) + 2))
+
+
+def _conditions(notes: dict[str, Any]) -> str:
+    """What was run, in a line: the gait's numbers, then what is not usual."""
+    gait, run = notes.get("gait") or {}, notes.get("scenario") or {}
+    changed = {name for change in run.get("changes", ()) for name, value in change.items() if value is not None}
+    signs = {"period": ("T", "s"), "height": ("H", "m"), "lift": ("lift", "m"), "width": ("W", "m")}
+    words = [
+        f"{sign} {gait[name]:g} {unit}" + (" at first" if name in changed else "")
+        for name, (sign, unit) in signs.items()
+        if name in gait and not run.get("gait")
+    ]
+    words += [f"{run[name]} {what}" for name, what in (("state", "state"), ("terrain", "ground")) if name in run]
+    words += [f"preset {run['preset']}"] if "preset" in run else []
+    for name, unit in (("joint_friction", "N·m of joint friction"), ("torque_delay", "s of torque delay")):
+        words += [f"{run[name]:g} {unit}"] if run.get(name) else []
+    return ", ".join(words + ([f"seed {run['seed']}"] if "seed" in run else []))
+
+
+def _pushes(log: Log) -> tuple[PushMark, ...]:
+    """Pushes that the log tells of."""
+    found, asked = [], (log.notes.get("scenario") or {}).get("pushes", ())
+    for event in log.events:
+        number = event.get("push")
+        if number is None or event.get("over") or not 0 <= number < len(asked):
+            continue
+        over = [e["time"] for e in log.events if e.get("push") == number and e.get("over")]
+        impulse = tuple(float(part) for part in asked[number]["impulse"])
+        words = f"{float(np.linalg.norm(impulse)):.3g} N·s"
+        found.append(PushMark(float(event["time"]), float(over[0] if over else log.time[-1]), impulse, words))
+    return tuple(found)

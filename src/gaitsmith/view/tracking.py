@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, mark_stages, sampled
+from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, mark_events, mark_stages, sampled
 from gaitsmith.view.recording import Array, Recording
 
 _GAIT_WINDOW = 3.0  # s: a few strides
@@ -22,7 +22,7 @@ def _panels(
     recording: Recording, what: str, time: Array, height: float, ratios: tuple[float, ...]
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """A figure of panels over one axis of time."""
-    with figure(f"{recording.title}: {what}", height) as made:
+    with figure(f"{recording.title}: {what}", height, recording.conditions) as made:
         axes = list(np.atleast_1d(made.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)))
         yield made, axes
         axes[-1].set_xlabel("time, s")
@@ -115,6 +115,7 @@ def draw_torques(recording: Recording) -> Figure:
             names = f"{robot.joint_names[a]}, {robot.joint_names[b]}"
             axis.set_title(f"{names}   limit {limit:.0f} N·m", fontsize=11.0)
         above(axes[0], 3)
+        mark_events(axes, recording)
     return made
 
 
