@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
 
-LONGEST = 700  # characters
+LONGEST = 400  # characters
 WORDS = st.text() | st.text(min_size=300, max_size=300).map(lambda text: 9 * text)
 
 

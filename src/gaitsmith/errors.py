@@ -8,6 +8,9 @@ _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 100
 
 
+_LONGEST = 400  # characters of a message
+
+
 class GaitsmithError(Exception):
     """Base of all errors raised on purpose by this package."""
 
@@ -27,8 +30,9 @@ class BadInput(GaitsmithError):
         self.value = value
         self.valid = valid
         self.remedy = remedy
-        message = f"{_cut(field, 160)}: got {_shown(value)}, expected {_cut(valid, 320)}"
-        super().__init__(" ".join((message + (f"; {_cut(remedy, 120)}" if remedy else "")).split()))
+        where, shown, advice = _cut(field, 120), _shown(value), f"; {_cut(remedy, 120)}" if remedy else ""
+        room = _LONGEST - len(f"{where}: got {shown}, expected {advice}")
+        super().__init__(" ".join(f"{where}: got {shown}, expected {_cut(valid, room)}{advice}".split()))
 
     def within(self, source: str) -> BadInput:
         """The same error, its field found in a source, such as a file; an empty source changes nothing."""

@@ -21,7 +21,8 @@ class MadeUp:
         reversed_joints: roles whose axes point the other way; their ranges follow.
         turned: rad, of everything about the vertical inside the root body.
         waist: joints between the root, then the upper body, and the pelvis.
-        sole: box, trapezoid (four balls), line (one capsule), ball, or none.
+        sole: box, trapezoid (four balls), line (one capsule), ball, wheel, paired (a box that only a scene lets
+            collide), or none.
         toes: whether a toe joint with a shape of its own follows.
         bend: rad, of the zero pose's knees; the feet tilt with it.
         floating: whether the file has a free joint.
@@ -29,6 +30,9 @@ class MadeUp:
         extra_legs: pairs of legs behind these.
         sides: of the legs, +1 for left, in the file's order.
         coupled: two joints held together by an equality.
+        strength: of the legs' motors, N·m.
+        arm_strength: of the arms' motors, which then hold the arms forward, N·m.
+        tail: whether a chain of three joints, none of them an ankle, hangs to the ground.
         names: of joints, instead of the made-up ones.
     """
 
@@ -46,6 +50,9 @@ class MadeUp:
     extra_legs: int = 0
     sides: tuple[int, ...] = (1, -1)
     coupled: tuple[str, ...] = ()
+    strength: float = 150.0
+    arm_strength: float = 0.0
+    tail: bool = False
     names: dict[str, str] = field(default_factory=dict)
 
     def text(self) -> str:
@@ -53,7 +60,7 @@ class MadeUp:
         legs = "".join(self._leg(side, -0.4 * k) for k in range(1 + self.extra_legs) for side in self.sides)
         arms = "".join(self._arm(side) for side in (1, -1))
         upper = f'<inertial pos="0 0 .2" mass="14" diaginertia=".4 .3 .2"/>{self._geom(".1 .12 .2", "0 0 .25")}{arms}'
-        pelvis = f'<inertial pos="0 0 0" mass="4" diaginertia=".03 .03 .03"/>{legs}'
+        pelvis = f'<inertial pos="0 0 0" mass="4" diaginertia=".03 .03 .03"/>{legs}{self._tail()}'
         free = '<freejoint name="base"/>' if self.floating else ""
         turn = f'<frame euler="0 0 {self.turned}">'
         if self.waist:
@@ -96,7 +103,8 @@ class MadeUp:
             axis, low, high = -axis, -high, -low
         words = " ".join(f"{v:.9f}" for v in axis)
         name = self.names.get(name, name)
-        return f'<joint name="{name}" axis="{words}" range="{low} {high}" actuatorfrcrange="-150 150"/>'
+        force = f'actuatorfrcrange="{-self.strength} {self.strength}"'
+        return f'<joint name="{name}" axis="{words}" range="{low} {high}" {force}/>'
 
     def _leg(self, side: int, behind: float) -> str:
         s, tag = self.scale, f"{'l' if side > 0 else 'r'}{'' if behind == 0.0 else round(-10 * behind)}"
@@ -121,10 +129,15 @@ class MadeUp:
                 self._joint(f"{tag}a{k}", role, side, *limits, False),
             ]
             parts += [inertia.format(z=0, m=0.3)]
-        parts += [self._sole(), self._toe(tag, side), "</body>" * (len(self.hip) + 1 + len(self.ankle))]
+        parts += [self._sole(tag), self._toe(tag, side), "</body>" * (len(self.hip) + 1 + len(self.ankle))]
         return "".join(parts)
 
-    def _sole(self) -> str:
+    def _sole(self, tag: str) -> str:
+        if self.sole == "paired":
+            bits = 'contype="0" conaffinity="0" density="0"'
+            return f'<geom name="{tag}_sole" type="box" size=".09 .04 .015" pos=".03 0 -.045" {bits}/>'
+        if self.sole == "wheel":
+            return '<geom type="cylinder" size=".08 .02" euler="1.5707963 0 0" density="0"/>'
         if self.sole == "box":
             return f'<geom type="box" size=".09 .04 .015" pos=".03 0 {-0.045 * self.scale}" density="0"/>'
         if self.sole == "line":
@@ -145,10 +158,24 @@ class MadeUp:
             + ('<geom type="box" size=".03 .04 .015" pos=".03 0 -.015" density="0"/></body>')
         )
 
-    def _arm(self, side: int) -> str:
-        tag = "L" if side > 0 else "R"
+    def _tail(self) -> str:
+        if not self.tail:
+            return ""
         links = "".join(
-            f'<body name="{tag}_arm{k}" pos="{place}"><joint name="{tag}s{k}" axis="{axis}" range="-1.5 1.5"/>'
+            f'<body name="tail{k}" pos="{0 if k else -0.3} 0 {-0.25 if k else 0}"><joint name="t{k}" axis="{axis}"/>'
+            '<inertial pos="0 0 -.1" mass=".1" diaginertia=".001 .001 .001"/>'
+            f'<geom type="capsule" size=".01" fromto="0 0 0 0 0 {-0.25 if k < 2 else -0.3}" density="0"/>'
+            for k, axis in enumerate(("1 0 0", "0 1 0", "0 1 0"))
+        )
+        return links + "</body>" * 3
+
+    def _arm(self, side: int) -> str:
+        tag, force = "L" if side > 0 else "R", self.arm_strength
+        plain = 'range="-1.5 1.5"'
+        held = f'range="-2 -1" actuatorfrcrange="{-force} {force}"' if force else plain
+        links = "".join(
+            f'<body name="{tag}_arm{k}" pos="{place}"><joint name="{tag}s{k}" axis="{axis}" '
+            f"{held if k == 0 else plain}/>"
             '<inertial pos="0 0 -.1" mass="1" diaginertia=".01 .01 .002"/>'
             '<geom type="capsule" size=".03" fromto="0 0 0 0 0 -.2" density="0"/>'
             for k, (place, axis) in enumerate(

@@ -64,9 +64,29 @@ def test_soles_are_asked_for_with_a_candidate_that_can_be_given(
 
 
 def test_what_is_no_biped_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    model, out = written(tmp_path / "in", MadeUp(extra_legs=1)), tmp_path / "out"
+    model, out = written(tmp_path / "in", MadeUp(sides=(1,))), tmp_path / "out"
     assert main(["adopt", str(model), "--out", str(out)]) == 2
     assert "two legs" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["in"]
+
+
+@pytest.mark.parametrize(
+    ("made", "flags", "flag", "candidates"),
+    [
+        (MadeUp(extra_legs=1), [], "--feet", {"l_ankle1", "r_ankle1", "l4_ankle1", "r4_ankle1"}),
+        (MadeUp(), ["--feet", "l_ankle1", "--feet", "none"], "--feet", {"l_ankle1", "r_ankle1"}),
+        (MadeUp(), ["--torso", "l_shank"], "--torso", {"pelvis", "chest"}),
+        (MadeUp(sole="none"), [], "--sole", {"0.042 0.133 0.035 0.063"}),
+    ],
+)
+def test_what_cannot_be_inferred_is_asked_with_candidates(
+    made: MadeUp, flags: list[str], flag: str, candidates: set[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = written(tmp_path / "in", made)
+    assert main(["adopt", str(model), "--out", str(tmp_path / "out"), "--json", *flags]) == 2
+    (asked,) = json.loads(capsys.readouterr().out)["asked"]
+    assert asked["flag"] == flag
+    assert candidates <= set(asked["candidates"])
     assert [path.name for path in tmp_path.iterdir()] == ["in"]
 
 

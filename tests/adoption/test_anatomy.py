@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from tests.adoption.made_up import MadeUp
 
 from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
+from gaitsmith.adoption.refusals import Asked
+from gaitsmith.adoption.soles import find_sole
 from gaitsmith.errors import BadInput
 
 
@@ -79,10 +81,19 @@ def test_flags_name_the_feet_and_a_body_that_is_none_is_refused() -> None:
         found(MadeUp(), torso="l_shank")
 
 
+def test_several_pairs_of_legs_are_asked_for_and_a_single_one_is_taken() -> None:
+    with pytest.raises(Asked, match="4 limbs on the ground") as caught:
+        found(MadeUp(extra_legs=1))
+    assert caught.value.flag == "--feet"
+    for feet in zip(caught.value.candidates[::2], caught.value.candidates[1::2], strict=True):
+        assert len(found(MadeUp(extra_legs=1), feet=feet)[1]) == 2
+    _, joints = found(MadeUp(tail=True))
+    assert [names[0] for names in joints] == ["lh0", "rh0"]
+
+
 @pytest.mark.parametrize(
     ("made", "words"),
     [
-        (MadeUp(extra_legs=1), "4 limbs on the ground"),
         (MadeUp(sides=(1,)), "one leg"),
         (MadeUp(ankle=()), "ankle"),
         (MadeUp(coupled=("lk", "la0")), "coupled"),
@@ -125,3 +136,10 @@ def test_legs_roles_and_axes_do_not_depend_on_how_the_model_was_drawn(
     assert [names[0][0] for names in joints] == ["l", "r"]
     assert all(leg.roles == (*hip, "pitch", *ankle) for leg in anatomy.legs)
     assert np.allclose(anatomy.axes[:2, 0], [math.cos(turned), math.sin(turned)], atol=0.1)
+    kinds = {"box": ("rectangle", 0.06, 0.04), "trapezoid": ("polygon", 0.05, 0.03), "line": ("line", 0.06, 0.0)}
+    for leg in anatomy.legs:
+        sole_found = find_sole(leg, anatomy, "made_up.xml")
+        kind, heel, half_width = kinds[sole]
+        assert sole_found.kind == kind
+        assert (sole_found.toe, sole_found.half_width) == pytest.approx((0.12, half_width), abs=1e-3)
+        assert sole_found.heel == pytest.approx(heel, abs=1e-3)

@@ -11,6 +11,7 @@ from tests.adoption.made_up import TRAPEZOID, MadeUp
 from gaitsmith.adoption.anatomy import find_anatomy
 from gaitsmith.adoption.soles import GivenSole, SoleFound, find_sole, measured_sole
 from gaitsmith.errors import BadInput
+from gaitsmith.robots.sole import Sole
 
 NEAR = 1e-4  # m
 
@@ -59,3 +60,14 @@ def test_measured_sole_is_below_the_ankle() -> None:
     sole = measured_sole(anatomy.legs[0], anatomy, GivenSole(0.05, 0.15, 0.04, 0.06))
     assert np.allclose(anatomy.legs[0].ankle - sole.position, [0.0, 0.0, 0.06])
     assert sole.entry() == {"kind": "rectangle", "heel": 0.05, "toe": 0.15, "half_width": 0.04}
+
+
+def test_a_wheel_is_refused() -> None:
+    with pytest.raises(BadInput, match="a wheel"):
+        soles(MadeUp(ankle=("pitch",), sole="wheel"))
+
+
+def test_corners_are_written_so_that_the_card_can_be_read() -> None:
+    points = np.array([[-0.05, -0.03], [0.0, -0.03003], [0.1, -0.03], [0.10002, -0.02999], [0.12, 0.0], [-0.05, 0.03]])
+    sole = SoleFound("polygon", points, 1, np.zeros(3), np.eye(3), "made up")
+    assert len(Sole.model_validate(sole.entry()).corners) == 4

@@ -8,18 +8,20 @@ import re
 import secrets
 import shutil
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
 from gaitsmith.adoption.card_text import CardDraft, Entry, draft_card
 from gaitsmith.adoption.feet import add_soles, sole_candidates
+from gaitsmith.adoption.holding import outside, too_weak
 from gaitsmith.adoption.picture import portrait_of
+from gaitsmith.adoption.refusals import Asked
 from gaitsmith.adoption.search import Found, search
 from gaitsmith.adoption.sheet import measure, reserves
-from gaitsmith.adoption.soles import GivenSole, NoSole, SoleFound, find_sole, matched, measured_sole
-from gaitsmith.adoption.source import find_model
+from gaitsmith.adoption.soles import GivenSole, SoleFound, find_sole, matched, measured_sole
+from gaitsmith.adoption.source import find_model, including
 from gaitsmith.adoption.trials import Doctor, Test, examine
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.result import Progress, silent
@@ -101,20 +103,29 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
     name = _robot_name(wishes, path, str(found.spec.modelname))
     out = _free_folder(wishes.out or name)
     flags = Flags(wishes.feet, wishes.torso)
-    anatomy = find_anatomy(found.model, found.entry, found.coupled, flags)
+    anatomy: Anatomy | None = None
     try:
-        soles = _soles(anatomy, wishes.sole, found.entry)
-    except NoSole as error:
-        asked = [{"flag": "--sole", "candidates": sole_candidates(found.model, anatomy)}]
-        return Adoption(None, _document(None, name, found, anatomy, None, asked), reason=str(error))
+        anatomy = find_anatomy(found.model, found.entry, found.coupled, flags)
+        soles = _soles(found, anatomy, wishes.sole)
+    except Asked as error:
+        scene = _scene(path, flags) if error.flag == "--sole" else None
+        if scene is None:
+            return Adoption(None, _document(None, name, found, anatomy, None, [error.document()]), reason=str(error))
+        found, anatomy, soles = scene
     files = dict(found.files)
     model_file = next(iter(files))
     if wishes.sole is not None:
         add_soles(files, found.model, anatomy, soles)
-    draft = draft_card(name, model_file, found.model, anatomy, soles, _welded(found, anatomy))
+    welded = _welded(found, anatomy)
+    draft = draft_card(name, model_file, found.model, anatomy, soles, welded)
     with _staged(out) as folder:
         _write(folder, files, draft)
         robot = load_robot(folder)
+        weak = too_weak(robot)
+        if weak := {joint: weak[joint] for joint in outside(robot, weak)}:
+            draft = draft_card(name, model_file, found.model, anatomy, soles, welded | weak)
+            _write(folder, files, draft)
+            robot = load_robot(folder)
         store = Store(folder / _RUNS)
         doctor = examine(robot, str(folder), progress=progress)
         tried: Found | None = None
@@ -209,13 +220,26 @@ def _stage(
     return stage
 
 
-def _soles(anatomy: Anatomy, given: GivenSole | None, entry: str) -> list[SoleFound]:
+def _scene(path: Path, flags: Flags) -> tuple[ModelFile, Anatomy, list[SoleFound]] | None:
+    """The first scene beside a model that includes it and gives its feet shapes that collide."""
+    for scene in including(path):
+        with contextlib.suppress(BadInput):
+            found = open_model(scene)
+            anatomy = find_anatomy(found.model, found.entry, found.coupled, flags)
+            note = f"read from {scene.name}, which says what collides"
+            return replace(found, notes=(note, *found.notes)), anatomy, _soles(found, anatomy, None)
+    return None
+
+
+def _soles(found: ModelFile, anatomy: Anatomy, given: GivenSole | None) -> list[SoleFound]:
     if given is not None:
         return [measured_sole(leg, anatomy, given) for leg in anatomy.legs]
     for leg in anatomy.legs:
         if not leg.shapes:
-            raise NoSole(entry, leg)
-    return matched([find_sole(leg, anatomy, entry) for leg in anatomy.legs], _ALIKE * anatomy.hip_height)
+            what = f"no shape that collides on the {leg.name} foot, {found.model.body(leg.foot).name}"
+            sizes, valid = sole_candidates(found.model, anatomy), "feet with shapes, or the size of their soles"
+            raise Asked("--sole", sizes, found.entry, what, valid, "give --sole HEEL TOE HALF_WIDTH DEPTH, m")
+    return matched([find_sole(leg, anatomy, found.entry) for leg in anatomy.legs], _ALIKE * anatomy.hip_height)
 
 
 def _welded(found: ModelFile, anatomy: Anatomy) -> dict[str, str]:
@@ -283,14 +307,14 @@ def _document(
     robot: Robot | None,
     name: str,
     found: ModelFile,
-    anatomy: Anatomy,
+    anatomy: Anatomy | None,
     draft: CardDraft | None,
     asked: list[dict[str, Any]],
 ) -> dict[str, Any]:
     """The JSON contract, without tests, search and sheet."""
     legs = [
         {"name": leg.name, "joints": [found.model.joint(j).name for j in leg.joints], "roles": list(leg.roles)}
-        for leg in anatomy.legs
+        for leg in (anatomy.legs if anatomy else ())
     ]
     return {
         "card": None,

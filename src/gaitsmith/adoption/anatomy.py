@@ -6,21 +6,23 @@ with everything rigidly attached below it, and is named by the index of its topm
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitsmith.adoption.shapes import Shape, colliding, lowest
+from gaitsmith.adoption.links import Links
+from gaitsmith.adoption.refusals import Unfit, unsure_of_feet
+from gaitsmith.adoption.shapes import Shape, lowest
 from gaitsmith.errors import BadInput
 
 Array = NDArray[np.float64]
 
 ROLES = ("roll", "pitch", "yaw")
-WALKABLE = "two legs, each one open chain of 3 to 12 joints with pitch at hip, knee and ankle, and a flat or line sole"
-_LOW = 0.08  # of the robot's height: what is nearer to the ground may be part of a foot
 _ANKLE = 0.4  # of hip height: an ankle is below
 _LONG = 2.0  # y extent over z extent of a model whose y is up
 _SNAP = np.radians(5.0)  # a body's axis this near to forward or up is meant to be it
@@ -104,13 +106,6 @@ class Flags:
     torso: str = ""
 
 
-class Unfit(BadInput):
-    """A model that no card makes a biped; the sentence says what can walk."""
-
-    def __init__(self, entry: str, found: str, remedy: str = "") -> None:
-        super().__init__(entry, found, f"a robot this package can walk: {WALKABLE}", remedy)
-
-
 def find_anatomy(
     model: mujoco.MjModel, entry: str, coupled: Mapping[str, str] | None = None, flags: Flags | None = None
 ) -> Anatomy:
@@ -123,27 +118,47 @@ def find_anatomy(
         flags: what the user says himself.
 
     Raises:
-        BadInput: no two legs, or a flag that names no body.
+        Asked: several limbs could be the legs, or a flag names no body.
+        BadInput: no two legs.
     """
-    data = _upright(model)
-    tree = _Tree(model, data, entry)
-    flags = flags or Flags()
-    torso, branches = tree.legs(flags)
+    flags, data = flags or Flags(), _upright(model)
+    tree = Links(model, data, entry)
+    try:
+        return _anatomy(tree, coupled or {}, flags)
+    except Unfit as error:
+        if flags.feet:
+            raise
+        pairs: dict[frozenset[int], tuple[str, str]] = {}
+        for feet in combinations(tree.nearly_low(), 2):
+            with contextlib.suppress(BadInput):
+                found = _anatomy(tree, coupled or {}, Flags(feet, flags.torso))
+                pairs.setdefault(frozenset(j for leg in found.legs for j in leg.joints), feet)
+        pairs = {joints: feet for joints, feet in pairs.items() if not any(joints < longer for longer in pairs)}
+        if not pairs:
+            raise
+        if len(pairs) == 1:
+            return _anatomy(tree, coupled or {}, Flags(next(iter(pairs.values())), flags.torso))
+        raise unsure_of_feet(entry, str(error.value), [name for pair in pairs.values() for name in pair]) from None
+
+
+def _anatomy(tree: Links, coupled: Mapping[str, str], flags: Flags) -> Anatomy:
+    """As :func:`find_anatomy`, of the feet that flags name, or of the lowest limbs."""
+    model, data, entry = tree.model, tree.data, tree.entry
+    torso, branches = tree.legs(flags.feet, flags.torso)
     paths = [tree.path(torso, foot) for foot in branches]
-    _require_open(model, paths, coupled or {}, entry)
+    _require_open(model, paths, coupled, entry)
     up = np.array([0.0, 0.0, 1.0])
     hips = [np.mean([data.xanchor[j] for j in joints[:3]], axis=0) for joints in paths]
     across = hips[0] - hips[1]
     left = across - across @ up * up
     if np.linalg.norm(left) < 1e-6:
-        raise Unfit(entry, "both hips at the same place", "name the feet with --feet LEFT RIGHT")
+        raise Unfit(entry, "both hips at the same place")
     rotation: Array = data.xmat[torso].reshape(3, 3)
     left = _snapped(left / np.linalg.norm(left), rotation)
     ahead = np.cross(left, up)
-    legs = [tree.leg(joints, np.column_stack([ahead, left, up])) for joints in paths]
+    legs = [_leg(tree, joints, np.column_stack([ahead, left, up])) for joints in paths]
     if len(legs[0].joints) != len(legs[1].joints):
-        counts = f"legs of {len(legs[0].joints)} and {len(legs[1].joints)} joints"
-        raise Unfit(entry, counts, "name the feet with --feet LEFT RIGHT")
+        raise Unfit(entry, f"legs of {len(legs[0].joints)} and {len(legs[1].joints)} joints")
     if legs[0].roles != legs[1].roles:
         raise Unfit(entry, f"legs with joints {', '.join(legs[0].roles)} and {', '.join(legs[1].roles)}")
     sign, source = _forward(model, data, legs, ahead, rotation)
@@ -171,136 +186,42 @@ def _named(leg: LegFound, name: str) -> LegFound:
     return LegFound(**{**vars(leg), "name": name})
 
 
-class _Tree:
-    """Links and what they carry, at the zero pose."""
-
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, entry: str) -> None:
-        self.model, self.data, self.entry = model, data, entry
-        self.links = sorted({int(link) for link in model.body_weldid} - {0})
-        self.parent = {link: int(model.body_weldid[model.body_parentid[link]]) for link in self.links}
-        self.joints = {
-            link: tuple(j for j in range(model.njnt) if model.jnt_bodyid[j] == link and model.jnt_type[j] in (2, 3))
-            for link in self.links
-        }
-        self.bodies = {link: np.flatnonzero(model.body_weldid == link) for link in self.links}
-        self.shapes = {link: colliding(model, data, self.bodies[link]) for link in self.links}
-
-    def ancestors(self, link: int) -> list[int]:
-        """From the root to the link itself."""
-        found = [link]
-        while self.parent[found[-1]] in self.parent:
-            found.append(self.parent[found[-1]])
-        return found[::-1]
-
-    def path(self, torso: int, foot: int) -> tuple[int, ...]:
-        """Joints between two links."""
-        lineage = self.ancestors(foot)
-        return tuple(j for link in lineage[lineage.index(self.link_of(torso)) + 1 :] for j in self.joints[link])
-
-    def link_of(self, body: int) -> int:
-        """The link that a body belongs to."""
-        return int(self.model.body_weldid[body])
-
-    def legs(self, flags: Flags) -> tuple[int, list[int]]:
-        """The torso's body, and each leg's lowest link."""
-        feet = [self.link_of(self._body("--feet", name)) for name in flags.feet] if flags.feet else self._low()
-        lineages = [self.ancestors(foot) for foot in feet]
-        common = 0
-        while all(len(line) > common and line[common] == lineages[0][common] for line in lineages):
-            common += 1
-        branches: dict[int, list[list[int]]] = {}
-        for line in lineages:
-            branches.setdefault(line[min(common, len(line) - 1)], []).append(line)
-        split = lineages[0][max(common - 1, 0)]
-        if split in feet or len(branches) < 2:
-            self._refuse_single(feet, lineages)
-        chains = [self._chain(lines, common) for lines in branches.values()]
-        short = [chain for chain in chains if len(self.path(split, chain)) < 3]
-        if len(chains) != 2 or short:
-            names = ", ".join(self._name(chain) for chain in chains[:6])
-            raise Unfit(self.entry, f"{len(chains)} limbs on the ground ({names})")
-        torso = self._body("--torso", flags.torso) if flags.torso else split
-        if self.link_of(torso) != split:
-            names = ", ".join(self._name(int(body)) for body in self.bodies[split])
-            raise BadInput("--torso", flags.torso, f"a body of the link where the legs meet: {names}")
-        return torso, chains
-
-    def _low(self) -> list[int]:
-        """Links that nearly touch the ground; by their origins if no shape does."""
-        heights = {link: lowest(shapes)[2] for link, shapes in self.shapes.items() if shapes}
-        places = self.data.xpos[self.links, 2]
-        top = max(float(places.max()), max(heights.values(), default=-np.inf))
-        origins = dict(zip(self.links, places.tolist(), strict=True))
-        below = min(heights.values(), default=np.inf)
-        if below > min(origins.values()) + 0.02 * (top - min(origins.values())):
-            heights = origins  # the feet have no shape
-            below = min(origins.values())
-        if len(self.links) < 3 or top - below < 1e-6:
-            raise Unfit(self.entry, f"{len(self.links)} moving bodies", "")
-        return [link for link, height in heights.items() if height < below + _LOW * (top - below)]
-
-    def _chain(self, lines: list[list[int]], common: int) -> int:
-        """The last link of one limb: the deepest one, or where a foot divides into toes."""
-        deepest = max(lines, key=len)
-        for depth in range(common, len(deepest)):
-            through = [line for line in lines if line[: depth + 1] == deepest[: min(depth + 1, len(line))]]
-            if len(through) < len(lines):
-                if len(self.path(deepest[common - 1], deepest[depth - 1])) < 3:
-                    names = ", ".join(self._name(line[-1]) for line in lines[:4])
-                    raise Unfit(self.entry, f"limbs that divide before the foot ({names})")
-                return deepest[depth - 1]
-        return deepest[-1]
-
-    def _refuse_single(self, feet: list[int], lineages: list[list[int]]) -> None:
-        low = min(feet, key=lambda link: lowest(self.shapes[link], self.data.xpos[link])[2])
-        above = len(self.path(lineages[0][0], low)) if low in self.parent else 0
-        found = "one leg" if above >= 3 else "no legs"
-        raise Unfit(self.entry, f"{found}: {self._name(low)} is lowest, {above} joints below the root", "try --feet")
-
-    def leg(self, path: tuple[int, ...], axes: Array) -> LegFound:
-        """Roles of a path's joints; what comes after the ankle are toes."""
-        model, data = self.model, self.data
-        roles = [ROLES[int(np.argmax(np.abs(axes.T @ data.xaxis[j])))] for j in path]
+def _leg(tree: Links, path: tuple[int, ...], axes: Array) -> LegFound:
+    """Roles of a path's joints; what comes after the ankle are toes."""
+    model, data = tree.model, tree.data
+    roles = [ROLES[int(np.argmax(np.abs(axes.T @ data.xaxis[j])))] for j in path]
+    pitches = [place for place, role in enumerate(roles) if role == "pitch"]
+    if len(pitches) < 3:
+        path, roles = _longer(tree, path, axes)
         pitches = [place for place, role in enumerate(roles) if role == "pitch"]
-        if len(pitches) < 3:
-            path, roles = self._longer(path, axes)
-            pitches = [place for place, role in enumerate(roles) if role == "pitch"]
-        last = model.jnt_bodyid[path[-1]] if path else 0
-        if len(pitches) < 3:
-            raise Unfit(self.entry, f"a limb to {self._name(int(last))} without an ankle pitch joint")
-        rolls = [place for place, role in enumerate(roles) if role == "roll" and place > pitches[1]]
-        end = max(pitches[2], rolls[0] if rolls else 0) + 1
-        joints, toes = path[:end], path[end:]
-        foot = int(model.jnt_bodyid[joints[-1]])
-        below = [link for link in self.links if foot in self.ancestors(link)]
-        shapes = tuple(shape for link in below for shape in self.shapes[link])
-        toes = tuple(j for link in below if link != foot for j in self.joints[link])
-        ankle: Array = data.xanchor[joints[pitches[2]]].copy()
-        ground = lowest(shapes, ankle)[2]
-        hip = float(data.xanchor[joints[0]][2])
-        if ankle[2] - ground > _ANKLE * (hip - ground):
-            words = f"a third pitch joint half-way up the leg ({model.joint(joints[pitches[2]]).name})"
-            raise Unfit(self.entry, words, "closed or bird-like legs cannot be walked")
-        bodies = tuple(int(body) for link in below for body in self.bodies[link])
-        return LegFound("", joints, tuple(roles[:end]), toes, foot, bodies, ankle, shapes)
+    last = model.jnt_bodyid[path[-1]] if path else 0
+    if len(pitches) < 3:
+        raise Unfit(tree.entry, f"a limb to {tree.name(int(last))} without an ankle pitch joint")
+    rolls = [place for place, role in enumerate(roles) if role == "roll" and place > pitches[1]]
+    end = max(pitches[2], rolls[0] if rolls else 0) + 1
+    joints, toes = path[:end], path[end:]
+    foot = int(model.jnt_bodyid[joints[-1]])
+    below = [link for link in tree.links if foot in tree.ancestors(link)]
+    shapes = tuple(shape for link in below for shape in tree.shapes[link])
+    toes = tuple(j for link in below if link != foot for j in tree.joints[link])
+    ankle: Array = data.xanchor[joints[pitches[2]]].copy()
+    ground = lowest(shapes, ankle)[2]
+    hip = float(data.xanchor[joints[0]][2])
+    if ankle[2] - ground > _ANKLE * (hip - ground):
+        words = f"a third pitch joint half-way up the leg ({model.joint(joints[pitches[2]]).name})"
+        raise Unfit(tree.entry, words, "closed or bird-like legs cannot be walked")
+    bodies = tuple(int(body) for link in below for body in tree.bodies[link])
+    return LegFound("", joints, tuple(roles[:end]), toes, foot, bodies, ankle, shapes)
 
-    def _longer(self, path: tuple[int, ...], axes: Array) -> tuple[tuple[int, ...], list[str]]:
-        """The path down to the lowest link below it: the shapes may end above the ankle."""
-        link = int(self.model.jnt_bodyid[path[-1]]) if path else 0
-        below = [other for other in self.links if link in self.ancestors(other)[:-1]]
-        if below:
-            lowest_link = min(below, key=lambda other: self.data.xpos[other][2])
-            path = path + self.path(link, lowest_link)
-        return path, [ROLES[int(np.argmax(np.abs(axes.T @ self.data.xaxis[j])))] for j in path]
 
-    def _body(self, flag: str, name: str) -> int:
-        body = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
-        if body <= 0:
-            raise BadInput(flag, name, f"a body: {', '.join(self._name(link) for link in self.links[:12])}")
-        return int(body)
-
-    def _name(self, body: int) -> str:
-        return str(self.model.body(body).name)
+def _longer(tree: Links, path: tuple[int, ...], axes: Array) -> tuple[tuple[int, ...], list[str]]:
+    """The path down to the lowest link below it: the shapes may end above the ankle."""
+    link = int(tree.model.jnt_bodyid[path[-1]]) if path else 0
+    below = [other for other in tree.links if link in tree.ancestors(other)[:-1]]
+    if below:
+        lowest_link = min(below, key=lambda other: tree.data.xpos[other][2])
+        path = path + tree.path(link, lowest_link)
+    return path, [ROLES[int(np.argmax(np.abs(axes.T @ tree.data.xaxis[j])))] for j in path]
 
 
 def _require_open(model: mujoco.MjModel, paths: list[tuple[int, ...]], coupled: Mapping[str, str], entry: str) -> None:

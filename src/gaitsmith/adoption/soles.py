@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from gaitsmith.adoption.anatomy import Anatomy, LegFound, Unfit
+from gaitsmith.adoption.anatomy import Anatomy, LegFound
+from gaitsmith.adoption.refusals import Unfit
 from gaitsmith.adoption.shapes import Shape
 
 Array = NDArray[np.float64]
@@ -19,7 +20,9 @@ _LINE = 0.02  # of hip height: narrower is a line
 _RECTANGLE = 0.97  # of its box's area
 _CORNERS = 8  # of a polygon
 _DIGITS = 4  # of lengths in m
+_TURN = 1e-3  # rad: a polygon's outline turns by more at a corner
 _UPRIGHT = float(np.cos(np.radians(0.5)))
+_DIRECTIONS, _ROUND = 24, 0.93  # of looking for a wheel: least reach of the largest
 _SETTLING = 4  # rounds of putting the foot down
 
 
@@ -61,7 +64,7 @@ class SoleFound:
     def entry(self) -> dict[str, object]:
         """The card's `sole`."""
         if self.kind == "polygon":
-            return {"kind": "polygon", "points": [[round(float(v), _DIGITS) for v in p] for p in self.points]}
+            return {"kind": "polygon", "points": [[float(v) for v in p] for p in _strict(self.points)]}
         return {"kind": self.kind, "heel": self.heel, "toe": self.toe} | (
             {"half_width": self.half_width} if self.kind == "rectangle" else {}
         )
@@ -77,13 +80,6 @@ class GivenSole:
     depth: float
 
 
-class NoSole(Unfit):
-    """A foot without a shape that touches the ground: the user has to say what its sole is."""
-
-    def __init__(self, entry: str, leg: LegFound) -> None:
-        super().__init__(entry, f"a {leg.name} foot without a colliding shape", "give --sole HEEL TOE HALF_WIDTH DEPTH")
-
-
 def find_sole(leg: LegFound, anatomy: Anatomy, entry: str) -> SoleFound:
     """The sole of a leg whose foot has shapes.
 
@@ -94,6 +90,8 @@ def find_sole(leg: LegFound, anatomy: Anatomy, entry: str) -> SoleFound:
         BadInput: it touches the ground in a point.
     """
     size, up = anatomy.hip_height, anatomy.axes[:, 2]
+    if _is_wheel(leg, anatomy):
+        raise Unfit(entry, f"a {leg.name} foot that is round about its last joint, a wheel")
     touching, normal = _settled(leg.shapes, up, _FLAT * size)
     tilted = False
     length, width = _spread(touching, normal)
@@ -113,6 +111,18 @@ def find_sole(leg: LegFound, anatomy: Anatomy, entry: str) -> SoleFound:
     source += " when the foot is put down flat" if tilted else " at the zero pose"
     kind, points, shift = _classified(corners, leg, _LINE * size)
     return SoleFound(kind, points, leg.foot, below + axes[:, :2] @ shift, axes, source)
+
+
+def _is_wheel(leg: LegFound, anatomy: Anatomy) -> bool:
+    """Whether the foot reaches as far from its last joint in every direction across the axis."""
+    axis, centre = anatomy.data.xaxis[leg.joints[-1]], anatomy.data.xanchor[leg.joints[-1]]
+    across = np.linalg.svd(axis[None])[2][1:]
+    angles = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    reach = [
+        max(shape.extent(direction)[1] for shape in leg.shapes) - centre @ direction
+        for direction in np.cos(angles)[:, None] * across[0] + np.sin(angles)[:, None] * across[1]
+    ]
+    return bool(min(reach) > _ROUND * max(reach))
 
 
 def measured_sole(leg: LegFound, anatomy: Anatomy, given: GivenSole) -> SoleFound:
@@ -201,6 +211,20 @@ def _hull(flat: Array) -> Array:
         along = flat - flat.mean(axis=0)
         axis = np.linalg.svd(along, full_matrices=False)[2][0]
         return flat[[int(np.argmin(along @ axis)), int(np.argmax(along @ axis))]]
+
+
+def _strict(corners: Array) -> Array:
+    """Corners as they are written, without those that rounding has put onto an edge or a neighbour."""
+    rounded: Array = np.round(corners, _DIGITS) + 0.0
+    while len(rounded) > 3:
+        before, after = rounded - np.roll(rounded, 1, axis=0), np.roll(rounded, -1, axis=0) - rounded
+        turns = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+        least = int(np.argmin(turns / np.maximum(lengths, 1e-12)))
+        if turns[least] > _TURN * lengths[least] > 0.0:
+            break
+        rounded = np.delete(rounded, least, axis=0)
+    return rounded
 
 
 def _area(corners: Array) -> float:

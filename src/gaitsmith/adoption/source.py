@@ -11,10 +11,12 @@ from pathlib import Path
 
 from gaitsmith.documents import nearest
 from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}")
 _ENDINGS = ("", "_mj_description", "_description")
 _SHARE = "cmeel.prefix/share/example-robot-data/robots"
+_BESIDE, _SCENE = 40, 1_000_000  # files beside a model that are looked at, bytes of each
 PACKAGES = "robot_descriptions, mujoco-menagerie or example-robot-data"
 
 
@@ -47,6 +49,16 @@ def find_model(given: str) -> Path:
     known = [*_examples(), *_menagerie_names()]
     valid = f"a model file, MJCF or URDF, or a name that {PACKAGES} knows"
     raise BadInput("MODEL", given, valid, nearest(given, known) or "install gaitsmith[names]")
+
+
+def including(path: Path) -> list[Path]:
+    """Files beside a model that include it, such as its scenes: they may say what collides."""
+    wanted = re.compile(rb"<include\s+file\s*=\s*[\"'](?:\./)?" + re.escape(path.name.encode()) + rb"[\"']")
+    try:
+        beside = sorted(other for other in path.parent.glob("*.xml") if other != path)[:_BESIDE]
+        return [other for other in beside if wanted.search(read_bounded(other, _SCENE))]
+    except (OSError, BadInput):
+        return []
 
 
 def _examples() -> dict[str, Path]:

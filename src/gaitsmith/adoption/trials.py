@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gaitsmith.adoption.holding import why_weak
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.kinematics.posture import standing_posture
@@ -101,7 +102,7 @@ def stand(robot: Robot, name: str) -> tuple[Test, Test]:
     heading = max(map(abs, summary.heading_deg))
     words = f"stood {summary.duration:g} s, heading within {heading:.2g}°"
     if summary.fall is not None:
-        words = f"fell after {summary.fall.time:.2f} s of standing: {summary.fall.reason}"
+        words = f"fell after {summary.fall.time:.2f} s of standing: {why_weak(robot) or summary.fall.reason}"
     return soles, Test("standing", not summary.fell and heading <= TURNED, heading, words)
 
 

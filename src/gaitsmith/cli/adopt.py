@@ -90,7 +90,7 @@ def _lines(adoption: Adoption, document: dict[str, Any]) -> Iterator[Text]:
     yield from (f"note: {note}" for note in document["notes"])
     for asked in document["asked"]:
         yield f"not written: {adoption.reason}"
-        yield f"give {asked['flag']}, for example {' or '.join(asked['candidates']) or 'as --help says'}"
+        yield f"candidates of {asked['flag']}: {' | '.join(asked['candidates']) or 'none, see --help'}"
     yield from (test.line() for test in adoption.tests)
     if document["search"]["rollouts"]:
         yield f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s"

@@ -57,13 +57,21 @@ class CardFolder:
             self.contents[key] = content
         return self.contents[key]
 
+    @property
+    def _top(self) -> str:
+        return "the card's folder" if self.label else "the folders of the model and of its package, two above at least"
+
+    @property
+    def _remedy(self) -> str:
+        return "put the card into a folder above it, or let gaitsmith adopt copy the files" if self.label else ""
+
     def _resolve(self, relative: str, entry: str) -> tuple[str, Path]:
-        valid = "a relative path that stays below the card's folder"
+        valid, remedy = f"a relative path that stays below {self._top}", self._remedy
         if not relative or relative.startswith("/") or set(relative) & set('\\:\x00\n"'):
-            raise BadInput(entry, relative, valid)
+            raise BadInput(entry, relative, valid, remedy)
         lexical = os.path.normpath(relative)
         if lexical.split("/")[0] == "..":
-            raise BadInput(entry, relative, valid)
+            raise BadInput(entry, relative, valid, remedy)
         try:
             path = (self.folder / lexical).resolve()
         except (OSError, RuntimeError, ValueError) as error:
@@ -88,7 +96,7 @@ class CardFolder:
         if found and scheme in ("package", "model"):
             parts = PurePosixPath(rest).parts[:DEPTH_LIMIT]
             if ".." in parts:
-                raise BadInput(entry, name, "a path that stays below the card's folder")
+                raise BadInput(entry, name, f"a path that stays below {self._top}", self._remedy)
             above = [str(folder) for folder in (PurePosixPath(bases[0]), *PurePosixPath(bases[0]).parents)]
             tails = ["/".join(parts[k:]) for k in range(len(parts))]
             tries = [f"{folder}/{tail}" for tail in tails for folder in above[:DEPTH_LIMIT]]
@@ -96,7 +104,7 @@ class CardFolder:
         else:
             name = name.removeprefix("file://")
             tries = [name if name.startswith("/") else f"{base}/{name}" if base else name for base in bases]
-        inside, refusal = [], BadInput(entry, name, "a file below the card's folder")
+        inside, refusal = [], BadInput(entry, name, f"a file below {self._top}", self._remedy)
         for candidate in tries:
             try:
                 key, path = self._resolve(candidate, entry)
