@@ -68,8 +68,8 @@ def test_a_vertical_force_must_act_on_the_sole_less_the_margin(planner, motion):
     edges = {
         "ZMP forward": (sole.toe, 0.0),
         "ZMP backward": (-sole.heel, 0.0),
-        "ZMP left": (0.0, sole.half_width),
-        "ZMP right": (0.0, -sole.half_width),
+        "ZMP inward": (0.0, sole.half_width),
+        "ZMP outward": (0.0, -sole.half_width),
     }
     for name, (x, y) in edges.items():
         out = np.array([np.sign(x), np.sign(y)])

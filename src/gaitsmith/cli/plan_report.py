@@ -51,7 +51,33 @@ def verdict_lines(document: dict[str, Any]) -> Iterator[Text]:
         f"{figure(document['clearance_mm'], '.3g')} mm; ZMP margin {figure(document['zmp_margin_mm'], '.1f')} mm; "
         f"base jumps {seam['position_m']:.1g} m where the support changes"
     )
+    yield f"checked {document['checked']} bounds, conditions and entries of the certificate"
     yield from _worst(document["worst"])
+    if document["rigorous"] is not None:
+        yield from _proof(document["rigorous"])
+
+
+def _proof(proof: dict[str, Any]) -> Iterator[Text]:
+    """What is proved for all times."""
+    yield "proved for all times: every bound holds" if proof["ok"] else "not proved for all times"
+    headings = ("constraint", "least", "largest", "limit", "unit", "time\ns", "phase")
+    rows = []
+    for item in proof["worst"][:_ROWS]:
+        numbers = (*item["range"], item["limit"])
+        shown = [figure(value, ".7g") for value in numbers]
+        rows.append([item["constraint"], *shown, item["unit"], f"{item['time']:.4f}", item["phase"]])
+    yield Table(headings, rows, left=(0, 4, 6), title="closest to their limits at any time")
+    box = proof["box"]
+    if box is None:
+        return
+    friction = "as planned" if box["friction"] is None else f"{box['friction'][0]:g} to {box['friction'][1]:g}"
+    yield f"masses ±{box['mass']:.1%}, friction {friction}, footholds ±{1e3 * box['foothold']:g} mm:"
+    for item in box["constraints"]:
+        told = f"holds for all of the box, at least {figure(item['margin'], '.4g')} {item['unit']} inside"
+        if item["unproved"]:
+            spans = ", ".join(f"{s['from']:.3f} to {s['to']:.3f} s ({s['phase']})" for s in item["unproved"][:_ROWS])
+            told = f"not proved from {spans}"
+        yield f"  {item['constraint']}: {told}"
 
 
 def _worst(worst: list[dict[str, Any]]) -> Iterator[Table]:

@@ -1,4 +1,4 @@
-"""``gaitsmith verify``: the certificate of a gait file, recomputed by MuJoCo alone."""
+"""``gaitsmith verify``: all that a gait file says, recomputed without the planner, or proved for all times."""
 
 from __future__ import annotations
 
@@ -11,14 +11,20 @@ from gaitsmith.cli.dispatch import DONE, FELL, Outcome
 from gaitsmith.cli.inputs import planned_gait
 from gaitsmith.cli.plan_report import verdict_lines
 from gaitsmith.documents import About
+from gaitsmith.errors import BadInput
 
 
 class VerifyArguments(Arguments):
-    """Check a gait file against MuJoCo's kinematics and inverse dynamics."""
+    """Check all that a gait file says against MuJoCo's kinematics and inverse dynamics."""
 
     gait: GaitFile
     robot: OwnRobot = None
     dense: Annotated[int, Field(ge=50, le=5000), About("Instants in every phase", metavar="N")] = 400
+    rigorous: Annotated[bool, About("Also prove every bound for all times, not only for instants")] = False
+    box: Annotated[
+        str | None,
+        About("With --rigorous: errors under which stability is proved, as mass=.05,friction=.5:1,foothold=.01"),
+    ] = None
 
 
 def verify(words: list[str], program: str) -> Outcome:
@@ -26,11 +32,20 @@ def verify(words: list[str], program: str) -> Outcome:
     arguments = parse(VerifyArguments, words, program)
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis import verify as check
+    from gaitsmith.synthesis.proof.box import box_from
+    from gaitsmith.synthesis.proof.rigorous import proof_of
 
+    if arguments.box is not None and not arguments.rigorous:
+        raise BadInput("--box", arguments.box, "an option of --rigorous", "give both")
+    box = None if arguments.box is None else box_from(arguments.box)
     gait, robot, intact = planned_gait(arguments.gait, arguments.robot, allow_edited=True)
     with Display() as display:
         tell = lambda done, total: display.show("verifying", f"phase {done} of {total}", done, total)  # noqa: E731
         verdict = check(gait, robot, arguments.dense, tell)
+        if arguments.rigorous:
+            show = lambda done, total: display.show("proving", f"phase {done} of {total}", done, total)  # noqa: E731
+            verdict.rigorous, problems = proof_of(gait, robot, box, show)
+            verdict.problems += problems
     if not intact:
         verdict.problems.insert(0, "the file was edited: its checksum does not hold")
     document = verdict.as_dict() | {"file": arguments.gait, "robot": robot.card.name, "motion": gait.motion.name}

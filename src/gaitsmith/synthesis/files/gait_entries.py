@@ -14,7 +14,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, Piece
 from gaitsmith.synthesis.motions.contacts import check_contacts
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, Same, State
 from gaitsmith.synthesis.motions.settings import Bounds
 
 Array = npt.NDArray[np.float64]
@@ -34,6 +34,8 @@ QuantityName = Annotated[str, AfterValidator(_quantity)]
 Number = Annotated[float, Field(ge=-1e6, le=1e6)]
 Amount = Annotated[float, Field(ge=-1e3, le=1e3)]  # m, m/s or the sine of an angle
 Place = tuple[Amount, Amount]
+_Border = Annotated[int, Field(ge=0)]
+_Joints = Annotated[tuple[Number, ...], Field(max_length=200)]
 _Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE)]
 _Coefficient = float
 _Row = Annotated[tuple[_Coefficient, ...], Field(min_length=1, max_length=200)]
@@ -82,10 +84,28 @@ class _PhaseEntry(Parameters):
     sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
 
 
-class _Condition(Parameters):
-    border: Annotated[int, Field(ge=0)]
+class _Value(Parameters):
+    kind: Literal["value"]
+    border: _Border
     quantity: QuantityName
     value: Amount
+
+
+class _State(Parameters):
+    kind: Literal["state"]
+    border: _Border
+    position: _Joints | None
+    velocity: _Joints | None
+    acceleration: _Joints | None
+
+
+class _Same(Parameters):
+    kind: Literal["same"]
+    border: _Border
+    other: _Border
+
+
+_CONDITIONS: dict[str, type[Parameters]] = {"value": _Value, "state": _State, "same": _Same}
 
 
 class GaitEntries(Parameters):
@@ -105,7 +125,7 @@ class GaitEntries(Parameters):
     )
     joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]
     phases: Annotated[tuple[_PhaseEntry, ...], Field(min_length=1, max_length=10_000)]
-    conditions: Annotated[tuple[_Condition, ...], Field(max_length=1_000_000)]
+    conditions: Annotated[tuple[dict[str, Any], ...], Field(max_length=20_000)]
     solver: dict[str, Any]
     certificate: dict[str, Any]
 
@@ -130,10 +150,10 @@ def gait_from(document: dict[str, Any]) -> Gait:
     if clock > LONGEST:
         raise BadInput("phases", f"{clock:.6g} s", f"at most {LONGEST:g} s in all")
     check_contacts(tuple(phases), entries.cyclic, ("foothold", "other_foothold"))
-    for index, condition in enumerate(entries.conditions):
-        if condition.border > len(phases):
-            raise BadInput(f"conditions[{index}].border", condition.border, f"a whole number from 0 to {len(phases)}")
-    conditions = tuple(At(item.border, item.quantity, item.value) for item in entries.conditions)
+    conditions = tuple(
+        _condition(item, f"conditions[{index}]", len(phases), len(joints))
+        for index, item in enumerate(entries.conditions)
+    )
     return Gait(
         robot=entries.robot,
         robot_hash=entries.robot_hash,
@@ -145,6 +165,29 @@ def gait_from(document: dict[str, Any]) -> Gait:
         solver=entries.solver,
         certificate=entries.certificate,
     )
+
+
+def _condition(entry: dict[str, Any], field: str, borders: int, joints: int) -> Condition:
+    """A condition of the kind that its entry names."""
+    kind = entry.get("kind")
+    if not isinstance(kind, str) or kind not in _CONDITIONS:
+        raise BadInput(f"{field}.kind", kind, f"one of {', '.join(_CONDITIONS)}")
+    item = checked(_CONDITIONS[kind], entry, field)
+    for name in ("border", "other"):
+        if getattr(item, name, 0) > borders:
+            raise BadInput(f"{field}.{name}", getattr(item, name), f"a whole number from 0 to {borders}")
+    if isinstance(item, _Value):
+        return At(item.border, item.quantity, item.value)
+    if isinstance(item, _Same):
+        return Same(item.border, item.other)
+    assert isinstance(item, _State)
+    found: dict[str, Array | None] = {}
+    for name in ("position", "velocity", "acceleration"):
+        values = getattr(item, name)
+        if values is not None and len(values) != joints:
+            raise BadInput(f"{field}.{name}", f"{len(values)} numbers", f"{joints}, one a joint, or null")
+        found[name] = None if values is None else np.array(values, dtype=np.float64)
+    return State(item.border, **found)
 
 
 def _pieces(phase: _PhaseEntry, field: str, clock: float, joints: int) -> tuple[Piece, ...]:

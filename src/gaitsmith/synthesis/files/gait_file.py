@@ -8,16 +8,18 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from gaitsmith.documents import parse_json
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, write_text_atomic
 from gaitsmith.robots import Robot, load_robot, robot_names
 from gaitsmith.synthesis.files.gait_entries import gait_from
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.motions.motion import At
+from gaitsmith.synthesis.motions.motion import At, Condition, State
 
 FORMAT = "gaitsmith-gait"
-VERSION = 1
+VERSION = 2
 LIMIT = 50_000_000
 _REMEDY = "plan it again"
 
@@ -44,7 +46,6 @@ def gait_document(gait: Gait) -> dict[str, Any]:
         }
         for phase, pieces in zip(gait.motion.phases, gait.pieces, strict=True)
     ]
-    conditions = [vars(item) for item in gait.motion.conditions if isinstance(item, At)]
     document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
@@ -57,12 +58,24 @@ def gait_document(gait: Gait) -> dict[str, Any]:
         "bounds": gait.bounds,
         "joints": list(gait.joint_names),
         "phases": phases,
-        "conditions": conditions,
+        "conditions": [condition_entry(item) for item in gait.motion.conditions],
         "solver": gait.solver,
         "certificate": gait.certificate,
     }
     document["checksum"] = _checksum(document)
     return document
+
+
+def condition_entry(item: Condition) -> dict[str, Any]:
+    """A condition as plain data."""
+    if isinstance(item, At):
+        return {"kind": "value", **vars(item)}
+    if isinstance(item, State):
+        given = {name: value for name, value in vars(item).items() if name != "border"}
+        return {"kind": "state", "border": item.border} | {
+            name: None if value is None else np.asarray(value).tolist() for name, value in given.items()
+        }
+    return {"kind": "same", **vars(item)}
 
 
 def _checksum(document: dict[str, Any]) -> str:

@@ -10,10 +10,11 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.splines.polynomial import polynomial as polynomial
-from gaitsmith.synthesis.motions.motion import Motion, Phase
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Motion, Phase, State
 
 Array = npt.NDArray[np.float64]
 CHANNELS = 12  # left force, left moment, right force, right moment
+_PLACES = ("ankle", "sole", "toe", "heel")  # what has a place in the world
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,4 +152,20 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
         pieces.append(tuple(moved))
-    return replace(gait, motion=replace(gait.motion, phases=phases), pieces=tuple(pieces))
+    conditions = tuple(_moved(item, (dx, dy), flip, partner, sign) for item in gait.motion.conditions)
+    return replace(gait, motion=replace(gait.motion, phases=phases, conditions=conditions), pieces=tuple(pieces))
+
+
+def _moved(
+    item: Condition, away: tuple[float, float], flip: float, partner: npt.NDArray[np.int64], sign: Array
+) -> Condition:
+    """A condition in another place, and in the mirror image if ``flip`` is -1."""
+    if isinstance(item, At):
+        part, axis, _ = QUANTITIES[item.quantity]
+        turned = axis != 1 if part in ("foot", "torso") else axis == 1  # roll and yaw, and y, change sign
+        value = item.value * (flip if turned else 1.0)
+        return replace(item, value=value + (away[axis] if part in _PLACES and axis < 2 else 0.0))
+    if isinstance(item, State) and flip < 0.0:
+        states = (item.position, item.velocity, item.acceleration)
+        return State(item.border, *(None if values is None else values[partner] * sign for values in states))
+    return item

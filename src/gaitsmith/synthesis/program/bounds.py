@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, opposite
+from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import PointLayout
 
@@ -22,6 +22,9 @@ _PITCH = 1  # axis of an angle that the mirror image keeps
 _LEAST = 0.1  # share of an edge's distance that a margin leaves
 _TWIST = 0.5  # share of what friction at both ends of an edge could bear as a yaw moment
 _LEVEL = 0.6  # largest sine of a turning foot's pitch
+
+
+NO_LOAD = -1
 
 
 class Kind(Enum):
@@ -42,8 +45,11 @@ class PhaseBound:
     """low <= out·o + inp·z + constant - rise * profile(s) <= high, in ``unit``.
 
     ``span`` is the range that violations are relative to; s runs from 0 to 1 over the phase. An ``interior`` bound
-    does not hold at the phase's ends. With ``sine`` the form is the sine of the angle that is bounded. ``twin`` is the
-    name of the same bound in the mirror image, empty if that has the same one.
+    does not hold at the phase's ends. With ``sine`` the form is the sine of the angle that is bounded.
+
+    A contact's bound is form <= 0 with form = (ratio - limit) * factor * load**power: ``load`` is the normal force as a
+    share of the weight, of the support sole (0) or the other (1); the ratio is the friction coefficient that is needed,
+    the place of the ZMP, m, or the lever of the yaw moment, m. Reports show the ratio, and ``span`` is of the form.
     """
 
     kind: Kind
@@ -60,7 +66,11 @@ class PhaseBound:
     lifts: bool = False
     lands: bool = False
     sine: bool = False
-    twin: str = ""
+    load: int = NO_LOAD
+    limit: float = 0.0
+    ratio_span: float = 1.0
+    factor: float = 1.0
+    power: int = 1
 
     def shown(self, value: float) -> float:
         """A value as reports show it: the angle where the form is a sine."""
@@ -123,20 +133,27 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
     twist, load = layout.twist + other, layout.load + other
     found: list[PhaseBound] = []
 
-    def add(kind: Kind, name: str, unit: str, wrench: Form, span: float, out: Form | None = None) -> None:
+    def add(
+        kind: Kind, name: str, unit: str, wrench: Form, span: float, out: Form | None = None, **ratio: float
+    ) -> None:
         """An upper bound of 0; ``wrench`` holds the six numbers' factors."""
         scaled = {first + index: value / weight for index, value in wrench.items()}
         outs = {index: value / weight for index, value in (out or {}).items()}
         both = (outs, scaled) if other else (outs | scaled, {})
-        names = f"{foot} foot {name}", f"{opposite(foot)} foot {name}"
-        found.append(PhaseBound(kind, names[0], unit, *both, -np.inf, 0.0, span, twin=names[1]))
+        found.append(PhaseBound(kind, f"{foot} foot {name}", unit, *both, -np.inf, 0.0, span, load=int(other)))
+
+    def tell(limit: float, span: float, factor: float = 1.0, power: int = 1) -> None:
+        """How the last bound's ratio reads."""
+        found[-1] = replace(found[-1], limit=limit, ratio_span=span, factor=factor, power=power)
 
     fx, fy, fz, mx, my = range(5)
     yaw = bounds.yaw_friction
+    inner = float(np.cos(np.pi / _FACETS))
     for k in range(_FACETS):
         angle = 2.0 * np.pi * (k + 0.5) / _FACETS
-        inner = bounds.friction * np.cos(np.pi / _FACETS)
-        add(Kind.FRICTION, "friction", "weights", {fx: np.cos(angle), fy: np.sin(angle), fz: -inner}, 1.0)
+        form = {fx: np.cos(angle), fy: np.sin(angle), fz: -inner * bounds.friction}
+        add(Kind.FRICTION, "friction", "of the load", form, 1.0)
+        tell(bounds.friction, bounds.friction, inner)
     sole, ends = biped.sole(foot), 0.0 if phase.double else bounds.zmp_margin
     edges = sole.edges * (1.0, phase.side, 1.0)
     if other and phase.contact != "flat":
@@ -145,15 +162,18 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
         edges, yaw = np.array([(0.0, 1.0, half), (0.0, -1.0, half)]), min(yaw, _TWIST * bounds.friction * half)
     for x, y, distance in edges.tolist():
         along = abs(x) > abs(y)
-        name = (("backward", "forward") if along else ("right", "left"))[(x if along else y) > 0.0]
+        name = ("backward", "forward")[x > 0.0] if along else ("outward", "inward")[(y > 0.0) != other]
         room = max(distance - (ends if along else bounds.zmp_margin), _LEAST * distance)
         span = sole.heel + sole.toe if along else 2.0 * sole.half_width
         add(Kind.ZMP, f"ZMP {name}", "m", {my: -x, mx: y, fz: -room}, span)
+        tell(room, span)
     # About the centre of pressure, times the normal force: a polynomial, without a division at lift-off.
-    add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: 1.0, load: -yaw})
-    add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: -1.0, load: -yaw})
+    for sign in (1.0, -1.0):
+        add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: sign, load: -yaw})
+        tell(yaw, 2.0 * yaw, power=2)
     add(Kind.NORMAL_FORCE, "normal force", "weights", {fz: 1.0}, 1.0)
-    found[-1] = replace(found[-1], low=0.0 if phase.double else bounds.normal_force, high=np.inf)
+    least = 0.0 if phase.double else bounds.normal_force
+    found[-1] = replace(found[-1], low=least, high=np.inf, load=NO_LOAD)
     return found
 
 
@@ -170,9 +190,8 @@ def joint_bounds(biped: Biped, bounds: Bounds, side: float, joints: Sequence[int
     found = []
     for local in range(biped.joints) if joints is None else joints:
         place = int(biped.partner[local]) if side < 0 else local
-        joint, twin = int(biped.index[place]), int(biped.index[biped.partner[place]])
+        joint = int(biped.index[place])
         sign = float(biped.sign[place]) if side < 0 else 1.0
-        names = robot.joint_names[joint], robot.joint_names[twin]
         torque = float(robot.torque_limit[joint]) * bounds.torque
         speed = float(robot.velocity_limit[joint]) * bounds.velocity
         angle = float(robot.position_low[joint]), float(robot.position_high[joint])
@@ -183,8 +202,7 @@ def joint_bounds(biped: Biped, bounds: Bounds, side: float, joints: Sequence[int
         ):
             form: Form = {first + local: sign}
             both = (form, {}) if kind is Kind.TORQUE else ({}, form)
-            one, two = (f"{name} {what}" for name in names)
-            found.append(PhaseBound(kind, one, unit, *both, low, high, high - low, twin=two))
+            found.append(PhaseBound(kind, f"{robot.joint_names[joint]} {what}", unit, *both, low, high, high - low))
     return found
 
 

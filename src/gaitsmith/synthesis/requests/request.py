@@ -15,8 +15,9 @@ from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.gait import Gait, follow
 from gaitsmith.synthesis.motions.biped import REST, standing
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
-from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.motions.motion import Condition, Motion, Same
 from gaitsmith.synthesis.motions.settings import LEG, Settings
+from gaitsmith.synthesis.solution.certificate import mirrored_entry
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 
@@ -187,13 +188,17 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     phases = tuple(phase for gait in gaits for phase in gait.motion.phases)
     pieces = tuple(group for gait in gaits for group in gait.pieces)
     parameters = cycle.gait.motion.parameters | {"cycles": float(request.cycles)}
+    conditions: list[Condition] = []
     worst: dict[str, dict[str, Any]] = {}
+    borders = 0
     for gait in gaits:
-        first = gait.pieces[0][0].start
-        for item in gait.certificate.get("worst", []):
-            moved = item | {"time": item["time"] + first}
-            if item["constraint"] not in worst or moved["violation"] > worst[item["constraint"]]["violation"]:
-                worst[item["constraint"]] = moved
+        first, mirror = gait.pieces[0][0].start, gait.motion.phases[0].support != "right"
+        conditions += [_later(item, borders) for item in gait.motion.conditions]
+        borders += len(gait.motion.phases)
+        for item in gait.certificate["worst"]:
+            moved = (mirrored_entry(item, planner.biped.whole) if mirror else item) | {"time": item["time"] + first}
+            if moved["constraint"] not in worst or moved["violation"] > worst[moved["constraint"]]["violation"]:
+                worst[moved["constraint"]] = moved
     solver = {
         name: found.gait.solver
         for name, found in (("start", begin), ("cyclic", cycle), ("stop", end))
@@ -202,8 +207,16 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     ranked = sorted(worst.values(), key=lambda item: -float(item["violation"]))
     return replace(
         begin.gait,
-        motion=Motion("walk", phases, (), False, parameters),
+        motion=Motion("walk", phases, tuple(conditions), False, parameters),
         pieces=pieces,
         solver=solver,
-        certificate=begin.gait.certificate | {"worst": ranked},
+        certificate=begin.gait.certificate
+        | {"worst": ranked, "objective": sum(float(gait.certificate["objective"]) for gait in gaits)},
     )
+
+
+def _later(item: Condition, borders: int) -> Condition:
+    """A condition of a motion that follows on ``borders`` phases."""
+    if isinstance(item, Same):
+        return replace(item, border=item.border + borders, other=item.other + borders)
+    return replace(item, border=item.border + borders)

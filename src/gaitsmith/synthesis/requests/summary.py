@@ -9,7 +9,8 @@ import numpy as np
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import zmp_margin
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, torque_jump, verify
+from gaitsmith.synthesis.proof.borders import jumps
+from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, verify
 from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
@@ -44,7 +45,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     worst = [item.as_dict() for item in main.worst]
     if gait is not None:
         worst = list(gait.certificate.get("worst", worst))
-    jump = None if gait is None else torque_jump(gait, biped.whole)
+    jump = None if gait is None else jumps(gait, biped.whole)[0]
     warnings: list[str] = []
     if jump is not None and jump > TORQUE_JUMP:
         assert gait is not None

@@ -60,12 +60,14 @@ class BoundCheck:
         times: (N,) s.
         violations: (bounds, N) share of the span.
         values: (bounds, N).
+        loads: (2, N) normal forces on the support sole and the other, as shares of the weight.
         pieces: the phase's curves as they will be stored.
     """
 
     times: Array
     violations: Array
     values: Array
+    loads: Array
     pieces: list[LocalPiece]
 
 
@@ -79,7 +81,8 @@ def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, coun
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)), trans.motion.phases[phase].side)
         table = BoundTable(trans.layout, trans.bounds[phase])
         values = table.values(o, z, trans.share(phase, times))
-        found.append(BoundCheck(times, table.violations(values), values, pieces))
+        loads = np.array([o[trans.layout.force + 2], z[trans.layout.wrench + 2]]) / trans.biped.weight
+        found.append(BoundCheck(times, table.violations(values), values, loads, pieces))
     return found
 
 

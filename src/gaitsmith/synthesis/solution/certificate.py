@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.motions.motion import Phase
-from gaitsmith.synthesis.program.bounds import PhaseBound
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import Phase, opposite
+from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
 
 Array = npt.NDArray[np.float64]
 ALLOWED = 1e-3  # share of a bound's range
-AGREES = 5e-3  # share of a bound's range by which a file's certificate may differ: verify's grid may be coarser
+LOADED = 0.01  # of the weight: ratios of a foot's forces are told where it bears at least this
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,6 @@ class BoundMargin:
         time: s from the start of the motion.
         phase: name of the phase.
         violation: share of the constraint's range; negative inside.
-        twin: name of the same constraint in the mirror image, empty if that has the same one.
     """
 
     constraint: str
@@ -38,30 +38,50 @@ class BoundMargin:
     time: float
     phase: str
     violation: float
-    twin: str = ""
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        return {key: value for key, value in vars(self).items() if key != "twin"}
+        return dict(vars(self))
 
 
-def merge(found: dict[str, BoundMargin], phase: Phase, bounds: list[PhaseBound], times: Array, values: Array) -> None:
-    """Add one phase's values (bounds, N) to the worst so far."""
+def merge(
+    found: dict[str, BoundMargin],
+    phase: Phase,
+    bounds: list[PhaseBound],
+    times: Array,
+    values: Array,
+    loads: Array | None = None,
+) -> None:
+    """Add one phase's values (bounds, N) to the worst so far.
+
+    A contact's value is shown as the ratio of its forces, where the foot bears enough for one.
+
+    Args:
+        found: the worst so far.
+        phase: the phase.
+        bounds: its bounds.
+        times: (N,) s.
+        values: (bounds, N) of their forms.
+        loads: (2, N) normal forces on the support sole and the other, as shares of the weight.
+    """
     for bound, row in zip(bounds, values, strict=True):
-        over, under = (row - bound.high) / bound.span, (bound.low - row) / bound.span
-        both = np.maximum(over, under)
+        low, high, span = bound.low, bound.high, bound.span
+        shown, enough = row, np.ones(len(row), dtype=bool)
+        if bound.load != NO_LOAD and loads is not None:
+            enough = ~(loads[bound.load] < LOADED)
+            shown = bound.limit + row / (bound.factor * np.where(enough, loads[bound.load], 1.0) ** bound.power)
+            high, span = bound.limit, bound.ratio_span
+        over, under = (shown - high) / span, (low - shown) / span
+        both = np.where(enough, np.maximum(over, under), -np.inf)
         if bound.interior:
-            both = both.copy()
             both[[0, -1]] = np.minimum(both[[0, -1]], 0.0)
         k = int(np.argmax(both))
         worst = float(both[k])
         # A number that is not finite stays the worst.
-        if bound.name not in found or worst > found[bound.name].violation or np.isnan(worst):
-            limit = bound.high if over[k] >= under[k] else bound.low
-            value, limit = bound.shown(float(row[k])), bound.shown(float(limit))
-            found[bound.name] = BoundMargin(
-                bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst, bound.twin
-            )
+        known = found.get(bound.name)
+        if (worst > -np.inf and (known is None or worst > known.violation)) or np.isnan(worst):
+            value, limit = (bound.shown(float(v)) for v in (shown[k], high if over[k] >= under[k] else low))
+            found[bound.name] = BoundMargin(bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst)
 
 
 def ranked(found: dict[str, BoundMargin]) -> list[BoundMargin]:
@@ -69,36 +89,15 @@ def ranked(found: dict[str, BoundMargin]) -> list[BoundMargin]:
     return sorted(found.values(), key=lambda item: -np.inf if np.isnan(item.violation) else -item.violation)
 
 
-def disagreements(stored: dict[str, Any], found: dict[str, BoundMargin]) -> list[str]:
-    """What a file's certificate says otherwise than physics, in words.
-
-    A constraint and its mirror image count as one, because a walk repeats one cycle's certificate for the mirrored one.
-
-    Args:
-        stored: the certificate in the file, of whatever shape.
-        found: every constraint's worst value as recomputed.
-    """
-    entries = stored.get("worst")
-    if not isinstance(entries, list) or not entries:
-        return ["the certificate in the file has no list of worst values"]
-    pairs = [(item.constraint, item.twin) for item in found.values() if item.twin]
-    same = {name: min(pair) for pair in pairs for name in pair}
-    told: dict[str, float] = {}
-    for index, entry in enumerate(entries):
-        fields = entry if isinstance(entry, dict) else {}
-        name, violation = fields.get("constraint"), fields.get("violation")
-        if not isinstance(name, str) or not isinstance(violation, float) or not abs(violation) < np.inf:
-            return [f"the certificate in the file does not say the constraint and its violation in worst[{index}]"]
-        name = same.get(name, name)
-        told[name] = max(told.get(name, -np.inf), violation)
-    real: dict[str, float] = {}
-    for item in found.values():
-        name = same.get(item.constraint, item.constraint)
-        real[name] = max(real.get(name, -np.inf), item.violation)
-    texts = []
-    for name in sorted(told.keys() ^ real.keys()):
-        texts.append(f"{name[:60]} is only {'in' if name in told else 'missing from'} the file's certificate")
-    for name in sorted(told.keys() & real.keys()):
-        if abs(told[name] - real[name]) > AGREES:
-            texts.append(f"{name}: violation {told[name]:.6g} in the file's certificate, {real[name]:.6g} by physics")
-    return texts
+def mirrored_entry(entry: dict[str, Any], biped: Biped) -> dict[str, Any]:
+    """An entry of a certificate in the mirror image: of the other leg's joints, of the other foot."""
+    joint, _, what = str(entry["constraint"]).partition(" ")
+    names = biped.robot.joint_names
+    for place, name in enumerate(names):
+        if entry["constraint"] in (f"{name} torque", f"{name} angle", f"{name} velocity", f"{name} torque rate"):
+            other, sign = int(biped.partner[place]), float(biped.sign[int(biped.partner[place])])
+            constraint = names[other] + str(entry["constraint"])[len(name) :]
+            return entry | {"constraint": constraint, "value": sign * entry["value"], "limit": sign * entry["limit"]}
+    if joint in ("left", "right") and what.startswith("foot "):
+        return entry | {"constraint": f"{opposite('left' if joint == 'left' else 'right')} {what}"}
+    return entry

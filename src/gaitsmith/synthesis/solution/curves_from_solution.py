@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.splines.polynomial import bernstein_to_power, chebyshev_fit, hermite, polynomial, power_basis
+from gaitsmith.splines.polynomial import bernstein_to_power, chebyshev, chebyshev_fit, hermite, polynomial, power_basis
 from gaitsmith.synthesis.gaits.gait import Piece
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Transcription
@@ -167,6 +167,21 @@ def finished_pieces(
     parts = np.split(np.vstack([torque, wrench]), len(pieces), axis=1)
     series = [_trimmed(part[:n] @ to_series) for part in parts], [_trimmed(part[n:] @ to_series) for part in parts]
     return tuple(Piece(start, span, *each) for (start, span, _), *each in zip(pieces, joints, *series, strict=True))
+
+
+def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]) -> float:
+    """J of eq. (16) over the finished curves: τᵀτ of all joints and ρ uᵀu, s."""
+    nodes, shares = np.polynomial.legendre.leggauss(_SAMPLES)
+    found = 0.0
+    for phase, group in enumerate(pieces):
+        for piece in group:
+            s = 0.5 * (nodes + 1.0)
+            u = _wrench_at(trans, x, phase, piece.start + s * piece.duration)
+            effort = np.sum(chebyshev(piece.torque, s) ** 2, axis=0) + trans.settings.wrench_weight * np.sum(
+                u**2, axis=0
+            )
+            found += 0.5 * piece.duration * float(shares @ effort)
+    return found
 
 
 def _trimmed(series: Array) -> Array:

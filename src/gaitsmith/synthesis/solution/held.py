@@ -11,7 +11,7 @@ from gaitsmith.splines.polynomial import chebyshev, chebyshev_fit, polynomial
 from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.motion import Condition, Motion, Phase, State
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import joint_bounds
@@ -20,6 +20,27 @@ from gaitsmith.synthesis.solution.certificate import BoundMargin, merge
 
 Array = npt.NDArray[np.float64]
 _SAMPLES = 20  # Chebyshev nodes a piece
+
+
+def of_all_joints(biped: Biped, motion: Motion) -> Motion:
+    """A motion whose joint states have entries for all joints: those that are held are at home, at rest."""
+
+    def whole(values: Array | None, others: Array) -> Array | None:
+        if values is None:
+            return None
+        found = others.copy()
+        found[biped.index] = values
+        return found
+
+    still = np.zeros(len(biped.home))
+    found: list[Condition] = []
+    for item in motion.conditions:
+        if isinstance(item, State):
+            states = whole(item.position, biped.home), whole(item.velocity, still), whole(item.acceleration, still)
+            found.append(State(item.border, *states))
+        else:
+            found.append(item)
+    return replace(motion, conditions=tuple(found))
 
 
 def with_held(biped: Biped, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:

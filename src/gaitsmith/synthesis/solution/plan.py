@@ -30,10 +30,10 @@ from gaitsmith.synthesis.solution.bound_check import (
     worst_violation,
 )
 from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, merge, ranked
-from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces
+from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces, objective_of
 from gaitsmith.synthesis.solution.diagnose import explain, lacking, out_of_reach
 from gaitsmith.synthesis.solution.elastic import solve_elastic
-from gaitsmith.synthesis.solution.held import held_margins, with_held
+from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
@@ -277,17 +277,21 @@ class Planner:
             "status": "" if result.solution is None else result.solution.status,
         }
         solver |= {"asymmetry": trans.biped.asymmetry, "held": [robot.joint_names[k] for k in trans.biped.held]}
-        solver |= {name: getattr(result, name) for name in ("iterations", "rounds", "fallbacks", "objective")}
+        solver |= {name: getattr(result, name) for name in ("iterations", "rounds", "fallbacks")}
         return Gait(
             robot=robot.card.name,
             robot_hash=robot.content_hash,
             joint_names=robot.joint_names,
-            motion=trans.motion,
+            motion=of_all_joints(trans.biped, trans.motion),
             pieces=tuple(pieces),
             bounds=settings.bounds.model_dump(),
             order=settings.order,
             solver=solver,
-            certificate={"dense_points": settings.dense},
+            certificate={
+                "dense_points": settings.dense,
+                "objective": objective_of(trans, result.x, pieces),
+                "wrench_weight": settings.wrench_weight,
+            },
         )
 
 
@@ -295,7 +299,7 @@ def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[BoundMar
     """Every constraint's worst value, the worst first."""
     found: dict[str, BoundMargin] = {}
     for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
-        merge(found, phase, bounds, item.times, item.values)
+        merge(found, phase, bounds, item.times, item.values, item.loads)
     return ranked(found)
 
 

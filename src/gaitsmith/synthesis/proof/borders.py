@@ -1,0 +1,141 @@
+"""What a file says of instants: conditions, states that go on from section to section, wrenches handed over, J."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.splines.polynomial import chebyshev
+from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
+from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import At, Condition, Same, State
+from gaitsmith.synthesis.proof.definitions import quantity
+from gaitsmith.synthesis.proof.measured import Errors, larger, measure
+
+Array = npt.NDArray[np.float64]
+SEAM = {"position_m": 1e-6, "angle_rad": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}
+_STATES = ("position", "velocity", "acceleration")
+_ALLOWED = {"position": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}  # rad, rad/s, rad/s²
+CONDITION = 1e-5  # m, m/s or the sine of an angle
+_GAUSS, _FEW = 30, 8  # nodes a piece: exact for τᵀτ up to degree 29, and for a cubic u, which turns with its foot
+
+
+def conditions(gait: Gait, biped: Biped, finder: StateFinder) -> list[tuple[str, float, float, float]]:
+    """Of every number that the motion's conditions fix: what it is, wanted, found, allowed difference.
+
+    A border is seen from the phase that ends there.
+    """
+    found: list[tuple[str, float, float, float]] = []
+    borders = gait.motion.borders
+    for item in gait.motion.conditions:
+        index = max(item.border - 1, 0)
+        time = np.array([borders[item.border]])
+        if isinstance(item, At):
+            numbers, _ = measure(gait, biped, finder, index, time, Errors())
+            value = float(quantity(numbers, biped, gait.motion.phases[index], item.quantity)[0])
+            found.append((item.quantity, item.value, value, CONDITION))
+        else:
+            found += _states(gait, item, gait.joints(index, time))
+    return found
+
+
+def _states(gait: Gait, item: Condition, here: tuple[Array, Array, Array]) -> list[tuple[str, float, float, float]]:
+    """Every joint of a condition on all of them."""
+    wanted: dict[str, Array] = {}
+    if isinstance(item, State):
+        wanted = {name: values for name in _STATES if (values := getattr(item, name)) is not None}
+    elif isinstance(item, Same):
+        before = max(item.other - 1, 0)
+        wanted = {"position": gait.joints(before, gait.motion.borders[[item.other]])[0][:, 0]}
+    found = []
+    for name, values in wanted.items():
+        real = here[_STATES.index(name)][:, 0]
+        for joint, one, two in zip(gait.joint_names, values.tolist(), real.tolist(), strict=True):
+            found.append((f"{joint} {name} at border {item.border}", one, two, _ALLOWED[name]))
+    return found
+
+
+def jumps(gait: Gait, biped: Biped) -> tuple[float, float]:
+    """Largest jump of a joint torque (N·m), and of a contact wrench (of the weight), where sections meet.
+
+    The seam of a cyclic gait is one of these places. A foot that meets or leaves the ground bears nothing there, and
+    with the other one in the air the jump of its wrench would show.
+    """
+    pieces = [piece for group in gait.pieces for piece in group]
+    ends = [(chebyshev(p.torque, 1.0), chebyshev(p.wrench, 1.0)) for p in pieces]
+    starts = [(chebyshev(p.torque, 0.0), chebyshev(p.wrench, 0.0)) for p in pieces]
+    pairs = list(zip(ends[:-1], starts[1:], strict=True))
+    if gait.motion.cyclic:
+        image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign).pieces[0][0]
+        pairs.append((ends[-1], (chebyshev(image.torque, 0.0), chebyshev(image.wrench, 0.0))))
+    torque = max((float(np.abs(one[0] - two[0]).max()) for one, two in pairs), default=0.0)
+    wrench = max((float(np.abs(one[1] - two[1]).max()) for one, two in pairs), default=0.0)
+    first, last = gait.motion.phases[0], gait.motion.phases[-1]
+    if not gait.motion.cyclic:  # what goes on elsewhere is handed over with the other foot free
+        for phase, contact, values in ((first, "heel", starts[0][1]), (last, "toe", ends[-1][1])):
+            if phase.contact == contact:
+                other = values[:6] if phase.support == "right" else values[6:]
+                wrench = larger(wrench, float(np.abs(other).max()))
+    return torque, wrench / biped.weight
+
+
+def seams(gait: Gait, biped: Biped, finder: StateFinder, edges: list[tuple[FullState, FullState]]) -> dict[str, float]:
+    """Jumps of the robot's state where phases meet and inside them, the cyclic seam included."""
+    found = dict.fromkeys(SEAM, 0.0)
+    pairs = [(before[1], after[0]) for before, after in pairwise(edges)]
+    if gait.motion.cyclic:
+        image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
+        first = image.motion.phases[0]
+        q, v, a = (values[:, 0] for values in image.joints(0, np.array([image.pieces[0][0].start])))
+        pairs.append((edges[-1][1], finder.find(first.support, first.foothold, q, v, a)))
+    for end, begin in pairs:
+        away = float(np.minimum(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
+        angle = larger(np.abs(end.position[7:] - begin.position[7:]).max(), 2.0 * np.arccos(away))
+        _add(found, "position_m", np.abs(end.position[:3] - begin.position[:3]).max())
+        _add(found, "angle_rad", angle)
+        _add(found, "velocity", np.abs(end.velocity - begin.velocity).max())
+        _add(found, "acceleration", np.abs(end.acceleration - begin.acceleration).max())
+    for group in gait.pieces:
+        for one, two in pairwise(group):
+            left, right = _edge(one, -1), _edge(two, 0)
+            for name, before, after in zip(("angle_rad", "velocity", "acceleration"), left, right, strict=True):
+                _add(found, name, np.abs(before - after).max())
+    return found
+
+
+def _edge(piece: Piece, which: int) -> list[Array]:
+    """Angles, velocities and accelerations at a piece's start or end."""
+    degree = piece.joints.shape[1]
+    power = np.arange(degree)
+    at_end = which < 0
+    value = piece.joints.sum(axis=1) if at_end else piece.joints[:, 0]
+    slope = piece.joints @ power if at_end else piece.joints[:, 1]
+    bend = piece.joints @ (power * (power - 1)) if at_end else 2.0 * piece.joints[:, 2]
+    return [value, slope / piece.duration, bend / piece.duration**2]
+
+
+def _add(found: dict[str, float], name: str, value: float) -> None:
+    found[name] = larger(found[name], float(value))
+
+
+def objective(gait: Gait, biped: Biped, finder: StateFinder, weight: float) -> float:
+    """(16): ∫ τᵀτ + ρ uᵀu dt of the file's own curves; ``weight`` is ρ, u is about the point that the foot turns about.
+
+    Joints outside the legs that are held count as well: the file's torques are all there is.
+    """
+    nodes, shares = np.polynomial.legendre.leggauss(_GAUSS)
+    few, parts = np.polynomial.legendre.leggauss(_FEW)
+    total = 0.0
+    for index, group in enumerate(gait.pieces):
+        phase = gait.motion.phases[index]
+        for piece in group:
+            effort = shares @ np.sum(chebyshev(piece.torque, 0.5 * (nodes + 1.0)) ** 2, axis=0)
+            if phase.double:
+                times = piece.start + 0.5 * (few + 1.0) * piece.duration
+                numbers, _ = measure(gait, biped, finder, index, times, Errors())
+                effort += weight * parts @ np.sum(np.concatenate([numbers.push, numbers.turn]) ** 2, axis=0)
+            total += 0.5 * piece.duration * float(effort)
+    return total

@@ -1,0 +1,238 @@
+"""Every bound as the paper's equations (7)-(14) and docs/synthesis.md state it, on whatever numbers it is given.
+
+The numbers may be NumPy arrays (instants) or Taylor models (all times of a stretch): only sums and products occur.
+World axes; lengths in m, forces as shares of the weight where a name says so. Nothing here comes from the planner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, Side
+
+LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something
+_FACES = 8  # of the pyramid inscribed in the friction cone
+_LEVEL = 0.6  # sine of the largest pitch of a foot that turns about an edge
+_ENDS = 0.5  # share of the friction at both ends of an edge that may bear a yaw moment
+_KEPT = 0.1  # share of an edge's distance from the sole's frame that a ZMP margin leaves
+_CROUCH = 0.3  # of the height with straight legs: lowest hips
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A phase's motion and forces, of any kind of number.
+
+    Attributes:
+        q, v, torque: [joint] rad, rad/s, N·m.
+        force, moment: [3] on the support sole, about its frame's origin, N and N·m.
+        push, turn: [3] on the other sole, about the point that it turns about (its origin if flat).
+        pivot: [3] that point, m.
+        rotation, torso: [3, 3] of the other sole and of the torso.
+        hip: height of the hips' midpoint, m.
+        ankle, ankle_velocity: [3] origin of the body that carries the other sole, m, m/s.
+        profile: of (lifts, lands): the height that the swing sole has to have, from 0 to 1.
+    """
+
+    q: Any
+    v: Any
+    torque: Any
+    force: Any
+    moment: Any
+    push: Any
+    turn: Any
+    pivot: Any
+    rotation: Any
+    torso: Any
+    hip: Any
+    ankle: Any
+    ankle_velocity: Any
+    profile: Callable[[bool, bool], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """low <= value <= high, violations relative to ``span``.
+
+    A bound on a contact is value <= 0 with value = (ratio - limit) * factor * load**power, where ``ratio`` is the
+    friction coefficient needed, the place of the ZMP (m), or the lever of the yaw moment (m), and ``load`` is the
+    foot's normal force as a share of the weight: it holds for an unloaded foot too.
+
+    Attributes:
+        name: as in the certificate.
+        unit: of the ratio or value as shown.
+        value: in shares of the weight where forces are bounded.
+        low, high, span: of the value; of a contact, the span of the ratio.
+        interior: it does not hold at the phase's ends, where the foot is on the ground.
+        sine: the value is the sine of the angle that is bounded.
+        load, limit, factor, power: of a contact, else None.
+    """
+
+    name: str
+    unit: str
+    value: Any
+    low: float
+    high: float
+    span: float
+    interior: bool = False
+    sine: bool = False
+    load: Any = None
+    limit: float = 0.0
+    factor: float = 1.0
+    power: int = 1
+
+
+def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> list[Bound]:
+    """Every bound that holds throughout a phase.
+
+    Args:
+        found: the phase's numbers.
+        biped: the robot with all its joints; the card's limits.
+        bounds: of the gait file.
+        motion: of the gait file.
+        index: of the phase.
+    """
+    phase = motion.phases[index]
+    items = [*joint_limits(found, biped, bounds), *_contact(found, biped, bounds, phase, phase.support)]
+    if phase.double:
+        items += _contact(found, biped, bounds, phase, phase.other_foot)
+    tall = biped.height
+    items.append(Bound("squat", "m", found.hip, _CROUCH * tall, tall - bounds["squat"], tall))  # (7)
+    toward = phase.side
+    for name, value in (
+        ("pitch", -found.torso[2, 0]),
+        ("roll", found.torso[2, 1] * toward),
+        ("yaw", found.torso[1, 0] * toward),
+    ):
+        items.append(_angle(f"torso {name}", value, bounds[f"torso_{name}"]))
+    items += _foot(found, biped, bounds, motion, index)
+    for limit in phase.limits:
+        value, unit = quantity(found, biped, phase, limit.quantity), QUANTITIES[limit.quantity].unit
+        items.append(Bound(limit.quantity, unit, value, limit.low, limit.high, tall, sine=unit == "rad"))
+    return items
+
+
+def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Iterator[Bound]:
+    """(10), (11): the card's limits, of torque and velocity the share that may be used."""
+    robot = biped.robot
+    for k, name in enumerate(robot.joint_names):
+        most = float(robot.torque_limit[k]) * bounds["torque"]
+        yield Bound(f"{name} torque", "N·m", found.torque[k], -most, most, 2.0 * most)
+        low, high = float(robot.position_low[k]), float(robot.position_high[k])
+        yield Bound(f"{name} angle", "rad", found.q[k], low, high, high - low)
+        fast = float(robot.velocity_limit[k]) * bounds["velocity"]
+        yield Bound(f"{name} velocity", "rad/s", found.v[k], -fast, fast, 2.0 * fast)
+
+
+def _angle(name: str, sine: Any, most: float) -> Bound:
+    """An angle within ± ``most`` rad, through its sine."""
+    limit = float(np.sin(most))
+    return Bound(name, "rad", sine, -limit, limit, 2.0 * limit, sine=True)
+
+
+def sole_edges(biped: Biped, phase: Phase, foot: Side) -> list[tuple[str, float, float, float]]:
+    """Edges of the part of a sole that bears in a phase: name, outward normal (x, y), distance from the frame, m.
+
+    Inward is where the other foot is. A foot that turns about an edge bears on that edge alone: it has two ends.
+    """
+    corners = biped.corners("flat" if foot == phase.support else phase.contact, foot)
+    inward = 1.0 if foot == "right" else -1.0
+    if len(corners) == 2:
+        half = 0.5 * float(np.ptp(corners[:, 1]))
+        return [("inward" if y * inward > 0.0 else "outward", 0.0, y, half) for y in (1.0, -1.0)]
+    found = []
+    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        length = float(np.hypot(x1 - x0, y1 - y0))
+        x, y = float(y1 - y0) / length, float(x0 - x1) / length
+        ahead = "forward" if x > 0.0 else "backward"
+        aside = "inward" if y * inward > 0.0 else "outward"
+        found.append((ahead if abs(x) > abs(y) else aside, x, y, float(x * x0 + y * y0)))
+    return found
+
+
+def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Phase, foot: Side) -> Iterator[Bound]:
+    """(12)-(14) of one foot: friction, the ZMP inside the sole, yaw moment about it, and no pull."""
+    bears = foot == phase.support
+    force, moment = (found.force, found.moment) if bears else (found.push, found.turn)
+    weight, sole = biped.weight, biped.sole(foot)
+    fx, fy, fz = (force[k] * (1.0 / weight) for k in range(3))
+    mx, my, mz = (moment[k] * (1.0 / weight) for k in range(3))
+    friction, yaw = bounds["friction"], bounds["yaw_friction"]
+
+    def ratio(name: str, unit: str, top: Any, limit: float, span: float, factor: float = 1.0, power: int = 1) -> Bound:
+        """``top`` is the ratio times factor and load to its power."""
+        bottom = fz if power == 1 else fz * fz
+        value = top - bottom * (limit * factor)
+        return Bound(f"{foot} foot {name}", unit, value, -np.inf, 0.0, span, False, False, fz, limit, factor, power)
+
+    inscribed = float(np.cos(np.pi / _FACES))
+    for k in range(_FACES):
+        angle = (2.0 * k + 1.0) * np.pi / _FACES
+        push = fx * float(np.cos(angle)) + fy * float(np.sin(angle))
+        yield ratio("friction", "of the load", push, friction, friction, inscribed)
+    edges = sole_edges(biped, phase, foot)
+    for name, x, y, distance in edges:
+        along = name in ("forward", "backward")
+        margin = 0.0 if along and phase.double else bounds["zmp_margin"]
+        room = max(distance - margin, _KEPT * distance)
+        size = sole.heel + sole.toe if along else 2.0 * sole.half_width
+        yield ratio(f"ZMP {name}", "m", mx * y - my * x, room, size)
+    if len(edges) == 2:
+        yaw = min(yaw, _ENDS * friction * edges[0][3])
+    twist = mx * fx + my * fy + mz * fz  # times the load: about the centre of pressure
+    for sign in (1.0, -1.0):
+        yield ratio("yaw moment", "m", twist * sign, yaw, 2.0 * yaw, power=2)
+    least = 0.0 if phase.double else bounds["normal_force"]
+    yield Bound(f"{foot} foot normal force", "weights", fz, least, np.inf, 1.0)
+
+
+def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> Iterator[Bound]:
+    """(8), (9) of the other foot: above the ground, level, and beside the support foot."""
+    phase = motion.phases[index]
+    pitch = -found.rotation[2, 0]
+    if phase.contact in ("heel", "toe"):
+        low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
+        yield Bound("foot pitch", "rad", pitch, low, high, 1.0, interior=True, sine=True)
+    if phase.double:
+        return
+    foot = biped.sole(phase.other_foot)
+    rise = found.profile(motion.lifts(index), motion.lands(index)) * bounds["clearance"]
+    for height in corner_heights(found, biped, phase):
+        yield Bound("swing clearance", "m", height - rise, 0.0, np.inf, foot.heel + foot.toe, interior=True)
+    for name, sine, most in (
+        ("pitch", pitch, bounds["foot_pitch"]),
+        ("roll", found.rotation[2, 1] * phase.side, bounds["foot_tilt"]),
+        ("yaw", found.rotation[1, 0] * phase.side, bounds["foot_tilt"]),
+    ):
+        yield _angle(f"swing foot {name}", sine, most)
+    apart = (found.pivot[1] - phase.foothold[1]) * phase.side
+    least = foot.half_width + biped.sole(phase.support).half_width + bounds["foot_gap"]
+    yield Bound("foot separation", "m", apart, least, np.inf, biped.width)
+
+
+def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
+    """Heights of the other sole's corners, m."""
+    centre = biped.pivot(phase)
+    corners = biped.corners("flat", phase.other_foot).tolist()
+    row = found.rotation[2]
+    return [found.pivot[2] + row[0] * (x - float(centre[0])) + row[1] * (y - float(centre[1])) for x, y in corners]
+
+
+def quantity(found: Measured, biped: Biped, phase: Phase, name: str) -> Any:
+    """A quantity of :data:`QUANTITIES`, world axes; of angles the sine."""
+    part, axis, _ = QUANTITIES[name]
+    if part in ("foot", "torso"):
+        rotation = found.rotation if part == "foot" else found.torso
+        return (rotation[2, 1], -rotation[2, 0], rotation[1, 0])[axis]
+    if part == "hip":
+        return found.hip
+    if part in ("ankle", "ankle velocity"):
+        return (found.ankle if part == "ankle" else found.ankle_velocity)[axis]
+    sole = biped.sole(phase.other_foot)
+    x, y, _ = (float(value) for value in biped.pivot(phase))
+    ahead = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[part] - x
+    return found.pivot[axis] + found.rotation[axis, 0] * ahead - found.rotation[axis, 1] * y

@@ -1,0 +1,102 @@
+"""A phase of a gait at instants, by MuJoCo's kinematics and inverse dynamics alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
+from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.proof.definitions import Measured
+
+Array = npt.NDArray[np.float64]
+CLOSURE = ("position_mm", "velocity", "acceleration")
+
+
+@dataclass(eq=False)
+class Errors:
+    """How far a file's numbers are from physics: the largest of all instants; NaN if any is.
+
+    Attributes:
+        closure: of the contact points in double support: mm, m/s, m/s².
+        residual: of the equations of motion, of the weight.
+        edge: moment about an edge that a foot turns about, of weight times height.
+        air: wrench on a foot in the air, of the weight.
+    """
+
+    closure: dict[str, float] = field(default_factory=lambda: dict.fromkeys(CLOSURE, 0.0))
+    residual: float = 0.0
+    edge: float = 0.0
+    air: float = 0.0
+
+
+def larger(one: float, two: float) -> float:
+    """The larger number; NaN if either is."""
+    return float(np.maximum(one, two))
+
+
+def smaller(one: float, two: float) -> float:
+    """The smaller number; NaN if either is."""
+    return float(np.minimum(one, two))
+
+
+def rise(s: Array, lifts: bool, lands: bool) -> Array:
+    """The swing's profile at shares (N,) of its phase: 10 s³ - 15 s⁴ + 6 s⁵ up, and down, to 1 in between."""
+    rate = 2.0 if lifts and lands else 1.0
+    up = np.clip(rate * s, 0.0, 1.0) if lifts else np.ones_like(s)
+    down = np.clip(rate * (1.0 - s), 0.0, 1.0) if lands else np.ones_like(s)
+    return np.minimum(*(x**3 * (10.0 - 15.0 * x + 6.0 * x**2) for x in (up, down)))
+
+
+def measure(
+    gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Array, errors: Errors
+) -> tuple[Measured, list[FullState]]:
+    """A phase's numbers (N,) at times within it, and the full states; errors are added to ``errors``."""
+    phase = gait.motion.phases[index]
+    q, v, a = gait.joints(index, times)
+    torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
+    support, other = (wrench[6:], wrench[:6]) if phase.support == "right" else (wrench[:6], wrench[6:])
+    count, pivot = len(times), biped.pivot(phase)
+    vectors, matrices = ("pivot", "ankle", "ankle_velocity", "turn"), ("rotation", "torso")
+    rows: dict[str, Any] = {"hip": np.zeros(count)}
+    rows |= {name: np.zeros((3, count)) for name in vectors} | {name: np.zeros((3, 3, count)) for name in matrices}
+    leg, robot, states = biped.leg(phase.other_foot), biped.robot, []
+    heel = -leg.sole_rotation.T @ leg.sole_position
+    for k in range(count):
+        states.append(finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k]))
+        place, _, _, rotation, _, _ = finder.foot(phase.other_foot, pivot)
+        rows["pivot"][:, k], rows["rotation"][..., k] = place, rotation
+        rows["turn"][:, k] = other[3:, k] - np.cross(rotation @ pivot, other[:3, k])
+        torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
+        rows["torso"][..., k] = torso
+        rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2]
+        rows["ankle"][:, k], rows["ankle_velocity"][:, k], *_ = finder.foot(phase.other_foot, heel)
+        if phase.double:
+            _closure(errors, biped, phase, finder)
+        residual = np.abs(finder.residual(torque[:, k], wrench[:, k])).max() / biped.weight
+        errors.residual = larger(errors.residual, residual)
+    if not phase.double:
+        errors.air = larger(errors.air, np.abs(other).max(initial=0.0) / biped.weight)
+    elif phase.contact != "flat":
+        errors.edge = larger(errors.edge, np.abs(rows["turn"][1]).max(initial=0.0) / (biped.weight * biped.height))
+    share = (times - gait.motion.borders[index]) / phase.duration
+    profile: Callable[[bool, bool], Any] = lambda lifts, lands: rise(share, lifts, lands)  # noqa: E731
+    found = Measured(q, v, torque, support[:3], support[3:], other[:3], profile=profile, **rows)
+    return found, states
+
+
+def _closure(errors: Errors, biped: Biped, phase: Phase, finder: StateFinder) -> None:
+    """Errors of the contact points of the other foot: they must stay where they are."""
+    assert phase.other is not None
+    for x, y in biped.corners(phase.contact, phase.other_foot):
+        place, speed, pull, *_ = finder.foot(phase.other_foot, np.array([x, y, 0.0]))
+        goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
+        found = (1e3 * np.abs(place - goal).max(), np.abs(speed).max(), np.abs(pull).max())
+        for name, error in zip(CLOSURE, found, strict=True):
+            errors.closure[name] = larger(errors.closure[name], error)
