@@ -1,4 +1,4 @@
-# make demo: walk BHR-B2 through a speed profile.   make test: run the tests.   Both set up .venv first, once.
+# make demo: both papers' robots walk, and a page shows it.   make test: run the tests.   Both set up .venv first, once.
 # make strangers: the tests on public robots (fetches 130 MB of models, once).
 PYTHON ?= python3
 WORKERS ?= 2
@@ -7,7 +7,6 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 TOOLS := $(VENV)/.tools
 STRANGERS := $(VENV)/.strangers
-RUN := runs/$(shell date +%Y%m%d-%H%M%S)
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export OMP_NUM_THREADS := 1
@@ -36,7 +35,7 @@ $(STRANGERS): $(TOOLS) requirements-strangers.lock
 	@touch $@
 
 demo: $(READY)
-	@$(BIN)/gaitsmith walk figure5 --out $(RUN)
+	@$(BIN)/gaitsmith demo
 
 test: $(TOOLS)
 	@$(BIN)/python -m pytest -q -n $(WORKERS)

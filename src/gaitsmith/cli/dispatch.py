@@ -80,7 +80,11 @@ class Command:
 
 
 COMMANDS: dict[tuple[str, ...], Command] = {
+    ("demo",): Command("gaitsmith.cli.demo", "demo", "both papers' robots walk, and a page shows it"),
     ("walk",): Command("gaitsmith.cli.walk", "walk", "walk a robot through a scenario in closed loop with physics"),
+    ("report",): Command("gaitsmith.cli.show", "report", "a run as one HTML page that opens anywhere"),
+    ("plot",): Command("gaitsmith.cli.show", "plot", "figures of a run, PNG and SVG"),
+    ("video",): Command("gaitsmith.cli.show", "video", "a run as a film"),
     ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),

@@ -1,0 +1,122 @@
+"""The page of a run: what was asked, what came of it in numbers and figures, what went wrong, how to do it again."""
+
+from __future__ import annotations
+
+import shlex
+
+from gaitsmith.reports.page import Page
+from gaitsmith.reports.run import Run
+from gaitsmith.simulation.run_folder import scenario_toml
+from gaitsmith.simulation.summary import Stage, Summary
+from gaitsmith.view import suitable
+
+_COUNTERS = {
+    "qp_fallbacks": "ticks in which the whole-body QP fell back",
+    "qp_infeasible": "ticks in which it was infeasible",
+    "ik_fallbacks": "ticks in which the inverse kinematics fell back",
+    "stops_dropped": "ticks that could not keep every joint off its stops",
+    "touchdowns_forced": "steps ended by the clock instead of by contact",
+    "refused_ticks": "ticks with readings that could not be used",
+}
+STAGE_HEADINGS = (
+    *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "error\nmm/s", "v_y error\nmm/s"),
+    *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
+)
+
+
+def run_page(run: Run, figures: bool = True) -> str:
+    """The page of a run as HTML that opens without a network.
+
+    Args:
+        run: to show.
+        figures: whether to draw them, which takes most of the time.
+    """
+    summary = run.summary
+    what = f"{summary.duration:.2f} s, preset {summary.preset}, {summary.state} state, {summary.terrain}"
+    page = Page(f"{summary.robot}: {run.folder.resolve().name}", f"{what}, seed {summary.seed}")
+    outcome(page, summary)
+    for note in run.notes:
+        page.text(f"Note: {note}.", "bad")
+    page.heading("What was asked")
+    page.code(scenario_toml(run.scenario))
+    page.heading("What came of it")
+    numbers(page, summary)
+    page.heading("Faults and fallbacks")
+    faults(page, run)
+    if figures:
+        page.heading("Figures")
+        for draw in suitable(run.recording).values():
+            page.figure(draw(run.recording), (draw.__doc__ or "").strip().split("\n")[0])
+    page.heading("Again")
+    page.text(f"The same run, from the same seed ({summary.seed}), gives the same result:")
+    page.code(f"gaitsmith walk {shlex.quote(str(run.folder.resolve() / 'scenario.toml'))} --out NEW_FOLDER")
+    page.versions()
+    return page.render()
+
+
+def outcome(page: Page, summary: Summary) -> None:
+    """How it ended, in a line."""
+    if summary.fall is not None:
+        page.text(f"Fell at {summary.fall.time:.2f} s, {summary.fall.phase}: {summary.fall.reason}.", "bad")
+    elif summary.interrupted:
+        page.text(f"Interrupted after {summary.duration:.2f} s, upright.", "bad")
+    else:
+        page.text("Upright to the end.", "good")
+
+
+def numbers(page: Page, summary: Summary) -> None:
+    """Stages, joints, and the rest in lines."""
+    page.table(STAGE_HEADINGS, map(stage_row, summary.stages), left=())
+    headings = ("joint", "largest torque\nN·m", "ticks at limit", "largest step\nN·m in 1 tick", "largest speed\nrad/s")
+    rows = [
+        (name, f"{peak:.1f}", f"{100.0 * summary.torque_saturated[name]:.2f} %",
+         f"{summary.torque_step_max[name]:.1f}", f"{summary.velocity_peak[name]:.2f}")
+        for name, peak in summary.torque_peak.items()
+    ]  # fmt: skip
+    page.table(headings, rows)
+    page.text(
+        f"{summary.steps} steps, {summary.distance:.2f} m; farthest from the start {summary.drift:.3f} m; heading "
+        f"{summary.heading_deg[0]:+.1f} to {summary.heading_deg[1]:+.1f}°; soles never closer than "
+        f"{100.0 * summary.min_foot_separation:.1f} cm; {summary.leg_contacts} contacts between the legs."
+    )
+    tick = summary.tick_us
+    if tick.median:
+        page.text(
+            f"Control tick {tick.median:.1f} µs median, {tick.p99:.1f} µs in 99 %, {tick.max:.0f} µs longest, "
+            f"{tick.overruns} over the control period; {summary.realtime_factor:.1f} times real time."
+        )
+    if (track := summary.tracking) is not None:
+        page.text(
+            f"Plan: {track.distance:.3f} of {track.planned_distance:.3f} m; torso off by at most "
+            f"{track.tilt_deg['roll']:.2f}° roll, {track.tilt_deg['pitch']:.2f}° pitch; "
+            f"real ZMP {track.zmp_rms_mm:.1f} mm off (rms)."
+        )
+        if track.ball is not None:
+            page.text(f"Ball: {track.ball.speed:.2f} of {track.ball.planned_speed:.2f} m/s.")
+
+
+def stage_row(stage: Stage) -> tuple[str, ...]:
+    """A stage of constant command, in words."""
+    command = "rest" if stage.rest else f"{stage.command.vx:.2f}, {stage.command.vy:.2f}"
+    return (
+        f"{stage.t0:.1f} to {stage.t1:.1f}",
+        command,
+        f"{stage.vx_mean:.4f}",
+        f"{1e3 * stage.vx_error:+.1f}",
+        f"{1e3 * stage.vy_error:+.1f}",
+        *(f"{low:+.2f} to {high:+.2f}" for low, high in (stage.roll_deg, stage.pitch_deg)),
+        f"{1e3 * stage.height_error:+.1f}",
+        f"{stage.yaw_rate_error:+.3f}",
+    )
+
+
+def faults(page: Page, run: Run) -> None:
+    """Everything that did not go as usual, counted; that nothing happened is said too."""
+    summary, last = run.summary, dict(zip(run.log.columns, run.log.rows[-1], strict=True))
+    rows = [(what, f"{int(last[name])}") for name, what in _COUNTERS.items() if name in last]
+    rows += [(f"ticks with unusable readings of {sensor}", f"{count}") for sensor, count in summary.refused.items()]
+    rows.append(("rows that the log lacks", f"{summary.log.dropped if summary.log else 0}"))
+    rows.append(("ticks over the control period", f"{summary.tick_us.overruns}"))
+    rows += [(f"physics engine: {warning}", "1") for warning in summary.warnings]
+    happened = [row for row in rows if row[1] != "0"]
+    page.table(("what", "how often"), happened or [("nothing that is counted happened", "0")])
