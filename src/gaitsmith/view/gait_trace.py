@@ -86,10 +86,6 @@ def _conditions(gait: Gait) -> str:
     elif "speed" in given:
         words = [f"ankle {given['speed']:g} m/s at the ball"]
     words += [f"{given['cycles']:.0f} cycles"] if "cycles" in given else []
-    solved = gait.solver.get("objective")
-    parts = [item["objective"] for item in gait.solver.values() if isinstance(item, dict) and "objective" in item]
-    if isinstance(solved, float):
-        words.append(f"J = {solved:.1f}")
-    elif parts:
-        words.append("J = " + " + ".join(f"{part:.1f}" for part in parts) + " (start, one cycle, stop)")
+    objective = gait.certificate.get("objective")
+    words += [f"J = {objective:.1f}"] if isinstance(objective, float) else []
     return ", ".join(words)
