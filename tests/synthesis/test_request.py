@@ -1,11 +1,16 @@
 """Any two of speed, step length and period decide the third."""
 
+from types import SimpleNamespace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.requests.request import RANGES, stride
+from gaitsmith.robots import load_robot
+from gaitsmith.synthesis.motions.biped import biped_from
+from gaitsmith.synthesis.motions.catalogue import StepParameters
+from gaitsmith.synthesis.requests.request import RANGES, Request, answer, stride
 
 RANGES_IN_ORDER = ("--speed", "--step-length", "--period")
 
@@ -53,3 +58,19 @@ def test_what_is_derived_out_of_range_names_what_was_given(given):
         stride(*given)
     flags = [flag for flag, value in zip(RANGES_IN_ORDER, given, strict=True) if value is not None]
     assert all(flag in caught.value.field for flag in flags)
+
+
+@pytest.mark.parametrize(("faster", "solved_below", "tried"), [(True, 0.6, 3), (True, 0.0, 5), (False, 0.6, 1)])
+def test_shorter_steps_at_the_same_speed_are_tried_where_there_is_no_gait(faster, solved_below, tried):
+    seen = []
+
+    def plan(motion, settings, report):
+        seen.append((motion.parameters["length"], motion.parameters["period"]))
+        return SimpleNamespace(gait="gait" if seen[-1][1] < solved_below else None)
+
+    planner = SimpleNamespace(biped=biped_from(load_robot("thbip_ii")), plan=plan)
+    found = answer(planner, Request("cyclic", step=StepParameters(0.15, 1.0), faster=faster))
+    assert found.gait == ("gait" if faster and solved_below else None)
+    assert len(seen) == tried
+    assert all(length / period == pytest.approx(0.15) for length, period in seen)
+    assert found.periods == tuple(period for _, period in seen[:-1])

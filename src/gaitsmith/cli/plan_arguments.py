@@ -41,7 +41,8 @@ class PlanArguments(Arguments):
     """Plan a motion: cyclic, start, stop, walk, kick, sweep, or a motion file (TOML).
 
     Of speed, step length and period any two decide the third; one alone follows the paper's two gaits. Lengths and
-    times that are defaults hold for hips 0.39 m high; a robot of another size gets them in proportion.
+    times that are defaults hold for hips 0.39 m high; a robot of another size gets them in proportion. Where a speed
+    given alone has no gait, shorter steps at that speed are tried.
     """
 
     motion: Annotated[
@@ -148,7 +149,9 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Reque
     length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
     step = StepParameters.sized(leg, length, period, **shape)
-    return Request(task, step=step, settings=settings, **_given(cycles=arguments.cycles))  # type: ignore[arg-type]
+    faster = arguments.step_length is None and arguments.period is None
+    more = _given(cycles=arguments.cycles)
+    return Request(task, step=step, settings=settings, faster=faster, **more)  # type: ignore[arg-type]
 
 
 def _given(**values: Any) -> dict[str, Any]:

@@ -18,6 +18,11 @@ _WORST = {"constraint": "", "value": ".4g", "limit": ".4g", "unit": "", "time": 
 def plan_lines(document: dict[str, Any], robot: Robot) -> Iterator[Text]:
     """The result of a plan."""
     yield f"{document['motion']} for {robot.card.name}: {document['status']}"
+    if document["without_solution"]:
+        tried = ", ".join(f"{period:.3g}" for period in document["without_solution"])
+        step = document["step"]
+        planned = f"; planned with {step['period']:.3g} s, {step['length']:.3g} m" if step else ""
+        yield f"no gait with steps of {tried} s at this speed{planned}"
     counted = ("iterations", "refinements", "fallbacks", "variables", "constraints")
     counts = ", ".join(f"{document[name]} {name}" for name in counted)
     times = ", ".join(f"{name} {document['time_s'][name]:.2f} s" for name in ("setup", "compile", "solve", "check"))

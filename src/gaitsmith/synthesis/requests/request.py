@@ -29,6 +29,8 @@ KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
 KICK_FRICTION = 0.45  # leaves the plant's friction of 0.5 and more some room
 _AGREE = 1e-6  # m
+_FASTER = 0.7  # of a period at which there is no gait: the next one that is tried
+_FASTEST = 1.2  # times the square root of leg over gravity: no shorter period is tried
 _SHORTEST, _LONGER = 0.12, 0.2  # m, and m for every m/s: steps of the paper's two gaits, of a leg of LEG
 _REPORT = Callable[[str, int, Progress], None]
 
@@ -89,6 +91,8 @@ class Request:
         kick: of the kick.
         cycles: steps of the cyclic gait in a walk.
         settings: order, bounds, tolerances.
+        faster: whether shorter steps at the same speed are tried where there is no gait: a robot with narrow soles or
+            heavy legs cannot walk as slowly, for its size, as the paper's.
 
     Raises:
         BadInput: more cycles than a gait file holds, or fewer than none.
@@ -99,6 +103,7 @@ class Request:
     kick: KickParameters = field(default_factory=KickParameters)
     cycles: int = 10
     settings: Settings = field(default_factory=Settings)
+    faster: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.cycles <= MOST_CYCLES:
@@ -112,11 +117,13 @@ class Answer:
     Attributes:
         results: by name of the motion, in the order of solving.
         gait: None unless all of them solved.
+        periods: of a step, at which there was no gait before one was tried that counts, s.
         main: the result that counts for the request.
     """
 
     results: dict[str, PlanResult]
     gait: Gait | None
+    periods: tuple[float, ...] = ()
 
     @property
     def main(self) -> PlanResult:
@@ -147,7 +154,25 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
-    cycle = run(cyclic(biped, request.step), settings)
+    step, periods = request.step, []
+    cycle = run(cyclic(biped, step), settings)
+    while request.faster and cycle.gait is None and _FASTER * step.period > _FASTEST * biped.fall_time:
+        periods.append(step.period)
+        step = replace(step, period=_FASTER * step.period, length=_FASTER * step.length)
+        cycle = run(cyclic(biped, step), settings)
+    return replace(_ends(planner, replace(request, step=step), run, results, cycle, rest), periods=tuple(periods))
+
+
+def _ends(
+    planner: Planner,
+    request: Request,
+    run: Callable[[Motion, Settings], PlanResult],
+    results: dict[str, PlanResult],
+    cycle: PlanResult,
+    rest: Array,
+) -> Answer:
+    """What a request wants beside the cyclic gait: a start, a stop, or both."""
+    biped, settings = planner.biped, request.settings.sized(planner.biped)
     if request.kind == "cyclic" or cycle.gait is None:
         return Answer(results, cycle.gait)
     q, v, a = cycle.gait.joints(0, np.array([0.0]))

@@ -55,6 +55,8 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "status": main.status,
         "reason": main.reason,
         "motion": kind,
+        "step": None if gait is None else _step(gait),
+        "without_solution": list(found.periods),
         "objective": _objective(found, kind),
         "iterations": sum(item.iterations for item in results),
         "refinements": sum(item.rounds for item in results),
@@ -76,6 +78,13 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "asymmetry": biped.asymmetry,
         "held": [biped.robot.joint_names[joint] for joint in biped.held],
         "file": file,
+    }
+
+
+def _step(gait: Gait) -> dict[str, float]:
+    """Length and period of a walk's step, m and s; of another motion nothing."""
+    return {
+        name: float(gait.motion.parameters[name]) for name in ("length", "period") if name in gait.motion.parameters
     }
 
 
