@@ -150,10 +150,12 @@ def _draw(folder: Path, simulation: Simulation) -> None:
 
 
 def _portable(scenario: Scenario) -> Scenario:
-    """The scenario with a robot's path made absolute, so that it runs from any folder."""
+    """The scenario with its paths made absolute, so that it runs from any folder."""
     from gaitsmith.robots import robot_names
 
     found: dict[str, Any] = {"gait": tuple(str(Path(path).resolve()) for path in scenario.gait)}
+    if scenario.policy:
+        found["policy"] = str(Path(scenario.policy).resolve())
     if scenario.robot.replace("-", "_") not in robot_names():
         found["robot"] = str(Path(scenario.robot).resolve())
     return scenario.model_copy(update=found)

@@ -39,10 +39,12 @@ def episode_key(loop: str, scenario: Scenario) -> str:
 
     Args:
         loop: from :func:`loop_identity`.
-        scenario: the robot's and the gait's names or paths do not count, their contents do.
+        scenario: names and paths of the robot, the gait and the policy do not count, their contents do.
     """
     fields = scenario.model_dump(mode="json", exclude={"robot"})
     fields["gait"] = [hashlib.sha256(read_bounded(path, _LARGEST_GAIT)).hexdigest() for path in scenario.gait]
+    if scenario.policy:
+        fields["policy"] = hashlib.sha256(read_bounded(scenario.policy, _LARGEST_GAIT)).hexdigest()
     text = json.dumps(fields, sort_keys=True, allow_nan=False)
     return hashlib.sha256(f"{loop}\n{text}".encode()).hexdigest()[:32]
 

@@ -32,6 +32,7 @@ from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
+from gaitsmith.simulation.step_policy import OnnxPolicy, PolicyCommands
 from gaitsmith.simulation.summary import Fall, LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import Region, parse_terrain
 from gaitsmith.simulation.tour import Guide
@@ -144,7 +145,9 @@ class Simulation:
             *(self._monitor, self._recorder, self._disturber, self._tracked, self._guide)
         ]
         observers = [observer for observer in watching if observer is not None]
-        orders = commands or self._guide or Script(_orders(scenario), step)
+        orders: Commands = commands or self._guide or Script(scenario_orders(scenario), step)
+        if scenario.policy:
+            orders = PolicyCommands(orders, self.controller, OnnxPolicy(scenario.policy, self.robot))
         self.loop = Loop(self.plant, self.controller, orders, observers)
         self._wall, self._memory = 0.0, _resident_mb()
         self.interrupted = False
@@ -162,6 +165,7 @@ class Simulation:
         self.plant.reset(*start)
         self.controller.reset()
         self.controller.command(**self._gait.model_dump())
+        self.controller.reset()  # a controller that has walked before still has its last gait latched
 
     def _make_monitor(self) -> Monitor:
         step = self.plant.control_step
@@ -323,8 +327,8 @@ def _resident_mb() -> float:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
 
 
-def _orders(scenario: Scenario) -> list[tuple[float, Order]]:
-    """What a scenario tells the controller."""
+def scenario_orders(scenario: Scenario) -> list[tuple[float, Order]]:
+    """What a scenario tells the controller, with the time of each order, s."""
     if scenario.gait:
         return [(0.0, Order(action="follow"))]
     orders = [(change.time, Order(change.given(), posture=change.posture)) for change in scenario.changes]

@@ -141,6 +141,11 @@ class Scenario(Command):
         Literal["whole-body", "replay"],
         About("How a gait file is followed: by the whole body, or replayed by the joints alone"),
     ] = "whole-body"
+    policy: Annotated[
+        str,
+        Field(max_length=1000),
+        About("ONNX file whose policy sets gait inputs at every touchdown", metavar="FILE"),
+    ] = ""
     changes: tuple[Change, ...] = ()
     tour: Tour | None = None
     pushes: Annotated[
@@ -214,8 +219,8 @@ class Scenario(Command):
                 if getattr(self, name) != type(self).model_fields[name].default:
                     raise BadInput(name, getattr(self, name), "nothing without a gait file", "add gait")
             return
-        for name in (*GAIT_INPUTS, "changes", "rest_before", "rest_after"):
-            if getattr(self, name) not in (None, 0.0, type(self).model_fields[name].default):
+        for name in (*GAIT_INPUTS, "policy", "changes", "rest_before", "rest_after"):
+            if getattr(self, name) not in (None, 0.0, "", type(self).model_fields[name].default):
                 raise BadInput(name, getattr(self, name), "nothing with a gait file", "the file decides")
 
     @property
