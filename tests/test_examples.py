@@ -18,6 +18,7 @@ SHORT: dict[str, dict[str, Any]] = {
     "06_own_gains": {"duration": 2.5},
     "07_plan": {"steps": 4},
     "08_own_motion": {},
+    "09_train_policy": {"generations": 1, "population": 2, "episodes": 1, "held_out": 1},
 }
 
 
@@ -36,7 +37,10 @@ def test_every_example_is_listed() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(SHORT))
-def test_an_example_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_example_runs(
+    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     result = load(name).main(**SHORT[name])
     assert len(capsys.readouterr().out.splitlines()) >= 2
     if name in ("01_walk", "02_change_gait", "05_own_robot"):

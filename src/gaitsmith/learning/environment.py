@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +70,7 @@ class GaitTemplateEnv(gymnasium.Env[Observation, Observation]):
         BadInput: what does not fit the robot.
     """
 
-    metadata = {"render_modes": []}
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(
         self,
@@ -87,7 +87,7 @@ class GaitTemplateEnv(gymnasium.Env[Observation, Observation]):
         fields = scenario.model_dump(exclude_none=True) if isinstance(scenario, Scenario) else dict(scenario or {})
         if not fields:
             fields["speed"] = (min(0.3, self._robot.card.gait_limits.speed_x[1]), 0.0)
-        if "gait" in fields and fields["gait"]:
+        if fields.get("gait"):
             raise BadInput("scenario", "a gait file", "a walk by the template")
         self._fields = {**fields, "robot": self._robot.card.name}
         self._vary = _checked_ranges(vary or {})

@@ -113,7 +113,8 @@ class StepView:
             ]
         )
         present = [_share(float(getattr(gait, entry.name)), entry) for entry in self._adjusted]
-        return np.clip(np.concatenate([seen / self._units, present]), -MOST_SEEN, MOST_SEEN)
+        numbers: npt.NDArray[np.float64] = np.concatenate([seen / self._units, present])
+        return numbers.clip(-MOST_SEEN, MOST_SEEN)
 
 
 def _share(value: float, entry: Adjusted) -> float:
@@ -241,12 +242,15 @@ class OnnxPolicy:
         _check_ranges(card.adjusted, robot.card.gait_limits, f"{source}: adjusted")
         names = StepView(Controller(robot), card.adjusted).names
         if card.seen != names:
-            differs = next((name for name in card.seen if name not in names), f"{len(card.seen)} numbers")
+            pairs = zip(card.seen, names, strict=False)
+            differs = next((f"{a} for {b}" for a, b in pairs if a != b), f"{len(card.seen)} numbers")
             raise BadInput(f"{source}: seen", differs, f"{len(names)} numbers: {', '.join(names)}")
         shapes = [[entry.shape[-1:] for entry in group] for group in (self._inputs(), self._session.get_outputs())]
         wanted = [[[len(names)]], [[len(card.adjusted)]]]
         if shapes != wanted:
-            raise BadInput(f"{source}: shapes", shapes, f"one input of {len(names)}, one output of {len(card.adjusted)}")
+            raise BadInput(
+                f"{source}: shapes", shapes, f"one input of {len(names)}, one output of {len(card.adjusted)}"
+            )
 
     def _inputs(self) -> Any:
         return self._session.get_inputs()
