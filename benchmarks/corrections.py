@@ -65,7 +65,7 @@ def literal_nine(planner: Planner, speed: float) -> str:
         return found
 
     step = StepParameters(0.15, 1.0) if speed == 0.15 else StepParameters(0.20, 0.5)
-    settings = Settings(bounds=Bounds(foot_tilt=1.5), time_limit=30.0)
+    settings = Settings(bounds=Bounds(foot_tilt=1.5))
     with patch.object(transcription, "phase_bounds", with_nine):
         found = planner.plan(cyclic(planner.biped, step), settings)
     if found.gait is None:

@@ -30,7 +30,7 @@ def main(limit: float) -> None:
     program = make_program(trans, planner.functions, trans.points())
     start = default_start(trans)
     begin = time.process_time()
-    ours = solve_ipopt(program, start, 1e-6, 400, 120.0)
+    ours = solve_ipopt(program, start, 1e-6, 400)
     spent = time.process_time() - begin
     z, o = program.evaluate(ours.x)
     print(f"{program.size} unknowns, {program.rows} rows, all bounds at all points")

@@ -9,7 +9,7 @@ from gaitsmith.cli.arguments import parse
 from gaitsmith.cli.plan_arguments import FILE, PlanArguments, request_from, task_of
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.files.gait_file import LIMIT
-from gaitsmith.synthesis.motions.catalogue import StepParameters
+from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.requests.request import KICK_FRICTION, KINDS, MOST_CYCLES, Request
 
@@ -23,17 +23,20 @@ VALUES = {
     "--cycles": "3",
     "--zmp-margin": "0.01",
     "--friction": "0.5",
-    "--time-limit": "9",
+    "--max-iterations": "9",
+    "--ball": "0.04 0.07",
+    "--kick-height": "0.05",
+    "--x-max": "0.16",
     "--jobs": "2",
     "--out": "g.json",
     "--figures": "figures",
 }
 WALKS = {"--speed", "--step-length", "--period", "--step-height", "--double-support"}
-SOLVE = {"--order", "--zmp-margin", "--friction", "--time-limit", "--out", "--figures"}
+SOLVE = {"--order", "--zmp-margin", "--friction", "--max-iterations", "--out", "--figures"}
 MEANT = {
     **dict.fromkeys(("cyclic", "start", "stop"), WALKS | SOLVE),
     "walk": WALKS | SOLVE | {"--cycles"},
-    "kick": {"--speed"} | SOLVE,
+    "kick": {"--speed", "--ball", "--kick-height", "--x-max"} | SOLVE,
     "sweep": {"--jobs"},
     "--claims": set(),
     "m.toml": {"--out", "--figures"},
@@ -49,7 +52,7 @@ def arguments_of(*words: str) -> PlanArguments:
 def test_a_flag_applies_or_is_refused(task: str, flag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("m.toml").write_text("")
-    arguments = arguments_of(task, flag, VALUES[flag])
+    arguments = arguments_of(task, flag, *VALUES[flag].split())
     if flag in MEANT[task]:
         assert task_of(arguments) == (FILE if task == "m.toml" else task)
     else:
@@ -78,14 +81,21 @@ def test_nothing_given_asks_for_the_defaults(kind: str) -> None:
 def test_flags_reach_the_request() -> None:
     words = "walk --speed 0.4 --period 0.5 --step-height 0.05 --double-support 0.2 --cycles 3 --zmp-margin 0.01"
     request = request_from(
-        arguments_of(*words.split(), "--friction", "0.5", "--order", "4", "--time-limit", "9"), "walk"
+        arguments_of(*words.split(), "--friction", "0.5", "--order", "4", "--max-iterations", "9"), "walk"
     )
     assert request is not None
     assert request.step == StepParameters(0.2, 0.5, 0.05, 0.2)
     assert request.cycles == 3
     settings = request.settings
-    assert (settings.order, settings.time_limit) == (4, 9.0)
+    assert (settings.order, settings.max_iterations) == (4, 9)
     assert (settings.bounds.friction, settings.bounds.zmp_margin) == (0.5, 0.01)
+
+
+def test_a_kick_has_flags_for_its_ball_height_and_reach() -> None:
+    words = "kick --ball 0.04 0.07 --kick-height 0.05 --x-max 0.16"
+    request = request_from(arguments_of(*words.split()), "kick")
+    assert request is not None
+    assert request.kick == KickParameters(ball=(0.04, 0.07), height=0.05, reach=0.16)
 
 
 @pytest.mark.parametrize(

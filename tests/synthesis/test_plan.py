@@ -1,13 +1,12 @@
 """Plans of the paper's cyclic gaits: certified, confirmed by MuJoCo, explained when they fail."""
 
-import time
-
 import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
-from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.biped import standing
+from gaitsmith.synthesis.motions.catalogue import KickParameters, cyclic, kick
 from gaitsmith.synthesis.motions.motion import At, Motion, Phase
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.program import make_program
@@ -68,27 +67,36 @@ def test_the_papers_quartic_solves_and_its_torque_jumps(planner, robot, dynamic)
     assert verdict.torque_jump > 100.0 * verify(dynamic.gait, robot).torque_jump
 
 
-@pytest.mark.parametrize("step", [StepParameters(0.6, 1.0), StepParameters(0.28, 0.2)])
-def test_what_cannot_be_done_is_explained_in_bounded_time(planner, step):
-    begin = time.perf_counter()
-    found = planner.plan(cyclic(planner.biped, step), Settings(time_limit=6.0))
-    assert not found.solved
+def test_a_budget_that_is_spent_decides_nothing(planner):
+    found = planner.plan(cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(max_iterations=6))
+    assert found.status == "not decided"
     assert found.gait is None
-    assert len(found.reason) > 20
-    assert time.perf_counter() - begin < 40.0
+    assert "not decided after 6 iterations" in found.reason
+    assert found.iterations <= 6
 
 
-def test_torque_limits_are_named(planner):
-    found = planner.plan(
-        cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(bounds=Bounds(torque=0.1), time_limit=6.0)
-    )
-    assert not found.solved
-    assert "torque" in found.reason
-    assert "support" in found.reason
+@pytest.mark.parametrize("step", [StepParameters(0.8, 1.0)])
+def test_steps_that_no_leg_reaches_are_refused_unsolved(planner, step):
+    found = planner.plan(cyclic(planner.biped, step))
+    assert (found.status, found.iterations) == ("not solved", 0)
+    assert "the legs reach" in found.reason
+
+
+@pytest.mark.parametrize("ball", [(-0.019, 0.065), (0.15, 0.065)])
+def test_balls_where_no_kick_can_meet_them_are_refused_unsolved(planner, ball):
+    motion = kick(planner.biped, KickParameters(ball=ball), standing(planner.biped))
+    found = planner.plan(motion)
+    assert (found.status, found.iterations) == ("not solved", 0)
+    assert "ankle_x" in found.reason
+
+
+def _stand(planner, *conditions):
+    half = planner.biped.width / 2.0
+    return Motion("stand", (Phase("stand", 0.6, "right", "flat", (0.0, -half), (0.0, half), 2),), conditions)
 
 
 def test_a_period_too_short_names_torques_and_velocities(planner):
-    found = planner.plan(cyclic(planner.biped, StepParameters(0.1, 0.1)), Settings(time_limit=6.0))
+    found = planner.plan(cyclic(planner.biped, StepParameters(0.1, 0.1)), Settings())
     assert not found.solved
     assert "it would take" in found.reason
     assert " torque " in found.reason or " velocity " in found.reason
@@ -100,9 +108,7 @@ def test_margins_wider_than_the_sole_are_refused(planner):
 
 
 def test_conditions_that_contradict_each_other_are_named(planner):
-    half = planner.biped.width / 2.0
-    phase = Phase("stand", 0.6, "right", "flat", (0.0, -half), (0.0, half), 2)
-    found = planner.plan(Motion("no", (phase,), (At(0, "hip_height", 0.35), At(0, "hip_height", 0.36))))
+    found = planner.plan(_stand(planner, At(0, "hip_height", 0.35), At(0, "hip_height", 0.36)))
     assert not found.solved
     assert "do not hold together" in found.reason
     assert "hip_height" in found.reason
@@ -136,7 +142,7 @@ def test_rows_have_the_derivatives_that_the_solver_is_given(planner):
     h, values = 1e-6, []
     for sign in (1.0, -1.0):
         z, o = program.evaluate(x + sign * h * direction)
-        values.append((program.objective(z, o), program.constraint(x + sign * h * direction, o)))
+        values.append((program.cost(z, o), program.constraint(x + sign * h * direction, o)))
     slope = (values[0][1] - values[1][1]) / (2 * h)
     assert np.abs(slope - jacobian @ direction).max() < 1e-4 * max(1.0, np.abs(slope).max())
     change = program.scale * (values[0][0] - values[1][0]) / (2 * h)

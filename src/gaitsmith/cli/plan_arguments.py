@@ -20,14 +20,16 @@ _BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields
 _WALKS = ("cyclic", "start", "stop", "walk")
 _NAMED = (*_WALKS, "kick")
 _APPLIES: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("speed", "order", "zmp_margin", "friction", "time_limit"), _NAMED),
+    **dict.fromkeys(("speed", "order", "zmp_margin", "friction", "max_iterations"), _NAMED),
     **dict.fromkeys(("step_length", "period", "step_height", "double_support"), _WALKS),
     "cycles": ("walk",),
     "jobs": (SWEEP,),
+    **dict.fromkeys(("ball", "kick_height", "x_max"), ("kick",)),
     **dict.fromkeys(("out", "figures", "free"), (*_NAMED, FILE)),
 }
 
 
+Reach = Annotated[float, Field(ge=-1.0, le=1.0)]
 _LENGTH, _PERIOD = stride(None, None, None)
 _KICK = f", for a kick {KickParameters.speed:g}, from {KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g}"
 
@@ -78,6 +80,21 @@ class PlanArguments(Arguments):
         tuple[str, ...],
         About("A joint outside the legs that moves too; the others stay at their home angles", metavar="JOINT"),
     ] = ()
+    ball: Annotated[
+        tuple[Reach, Reach] | None,
+        About(
+            "Where a kick's ankle meets the ball: ahead of and left of the middle between the soles",
+            "m",
+            "X Y",
+            " ".join(f"{value:g}" for value in KickParameters.ball),
+        ),
+    ] = None
+    kick_height: Annotated[
+        float | None,
+        Field(ge=0.005, le=0.3),
+        About("Height of a kick's raised ankle above its height on the ground", "m", "M", KickParameters.height),
+    ] = None
+    x_max: Annotated[Reach | None, About("How far ahead a kick's ankle swings", "m", "M", KickParameters.reach)] = None
     order: Annotated[
         Literal[4, 5] | None,
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=_SETTINGS["order"].default),
@@ -96,13 +113,13 @@ class PlanArguments(Arguments):
         *_BOUNDS["friction"].metadata,
         About("Coulomb coefficient", "", "MU", f"{_BOUNDS['friction'].default:g}, for a kick {KICK_FRICTION:g}"),
     ] = None
-    time_limit: Annotated[
-        float | None,
-        *_SETTINGS["time_limit"].metadata,
+    max_iterations: Annotated[
+        int | None,
+        *_SETTINGS["max_iterations"].metadata,
         About(
-            "For each solve, s; to find out why there is no solution takes up to 20 s more",
-            metavar="S",
-            absent=f"{_SETTINGS['time_limit'].default:g}",
+            "Of all solves of a motion; spent, they leave it undecided",
+            metavar="N",
+            absent=_SETTINGS["max_iterations"].default,
         ),
     ] = None
     jobs: Annotated[int | None, Field(ge=1, le=256), About("Processes of a sweep", metavar="N", absent="1")] = None
@@ -141,11 +158,12 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Reque
         return None
     friction = KICK_FRICTION if task == "kick" and arguments.friction is None else arguments.friction
     bounds = Bounds(**_given(zmp_margin=arguments.zmp_margin, friction=friction))
-    settings = Settings(bounds=bounds, **_given(order=arguments.order, time_limit=arguments.time_limit))
+    settings = Settings(bounds=bounds, **_given(order=arguments.order, max_iterations=arguments.max_iterations))
     if task == "kick":
         if arguments.speed is not None and not KICK_SPEEDS[0] <= arguments.speed <= KICK_SPEEDS[1]:
             raise BadInput("--speed", arguments.speed, f"{KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g} for a kick")
-        return Request("kick", kick=KickParameters(**_given(speed=arguments.speed)), settings=settings)
+        given = _given(speed=arguments.speed, ball=arguments.ball, height=arguments.kick_height, reach=arguments.x_max)
+        return Request("kick", kick=KickParameters(**given), settings=settings)
     length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
     step = StepParameters.sized(leg, length, period, **shape)

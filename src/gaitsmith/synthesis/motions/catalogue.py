@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from gaitsmith.synthesis.motions.settings import LEG
 
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
+_SINGLE, _DOUBLE, _MOST = 2.0, 0.3, 8  # longest sections in the robot's unit of time; most sections of a phase
 
 
 @dataclass(frozen=True)
@@ -80,21 +82,30 @@ def _record(kind: str, values: object) -> dict[str, float]:
     return found
 
 
-def _swing(step: StepParameters, support: Side, foothold: Point) -> list[Phase]:
-    single = step.period * (1.0 - step.double_support)
+def _sections(biped: Biped, duration: float, double: bool) -> int:
+    """Spline sections of a phase: short beside the time in which the robot falls, shorter where the chain is closed."""
+    longest = (_DOUBLE if double else _SINGLE) * biped.fall_time
+    return min(max(2 if double else 1, math.ceil(duration / longest)), _MOST)
+
+
+def _swing(biped: Biped, step: StepParameters, support: Side, foothold: Point) -> list[Phase]:
+    single = step.period * (1.0 - step.double_support) / 2
+    sections = _sections(biped, single, False)
     return [
-        Phase("swing up", single / 2, support, "air", foothold),
-        Phase("swing down", single / 2, support, "air", foothold),
+        Phase("swing up", single, support, "air", foothold, sections=sections),
+        Phase("swing down", single, support, "air", foothold, sections=sections),
     ]
 
 
-def _transfer(step: StepParameters, support: Side, foothold: Point, landing: Point) -> list[Phase]:
+def _transfer(biped: Biped, step: StepParameters, support: Side, foothold: Point, landing: Point) -> list[Phase]:
     double = step.period * step.double_support
     heel, toe = double * step.heel_share, double * step.toe_share
+    flat = double - heel - toe
+    counts = [_sections(biped, duration, True) for duration in (heel, flat, toe)]
     return [
-        Phase("heel", heel, support, "heel", foothold, landing, 2),
-        Phase("flat", double - heel - toe, support, "flat", foothold, landing, 2),
-        Phase("toe", toe, opposite(support), "toe", landing, foothold, 2),
+        Phase("heel", heel, support, "heel", foothold, landing, counts[0]),
+        Phase("flat", flat, support, "flat", foothold, landing, counts[1]),
+        Phase("toe", toe, opposite(support), "toe", landing, foothold, counts[2]),
     ]
 
 
@@ -120,10 +131,10 @@ def cyclic(biped: Biped, step: StepParameters) -> Motion:
     """
     half = biped.width / 2.0
     here, there, further = (0.0, -half), (step.length, half), (2.0 * step.length, -half)
-    phases = _swing(step, "right", here) + _transfer(step, "right", here, there)
+    phases = _swing(biped, step, "right", here) + _transfer(biped, step, "right", here, there)
     conditions = [*_apex(biped, step, 1), _strike(step, 2), _off(step, 5)]
     if not biped.symmetric:
-        phases += _swing(step, "left", there) + _transfer(step, "left", there, further)
+        phases += _swing(biped, step, "left", there) + _transfer(biped, step, "left", there, further)
         conditions += [*_apex(biped, step, 6), _strike(step, 7), _off(step, 10)]
     return Motion("cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=_record("cyclic", step))
 
@@ -140,10 +151,10 @@ def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Ar
     half, length = biped.width / 2.0, step.length
     right, left, right2 = (0.0, -half), (length, half), (2.0 * length, -half)
     phases = [Phase("weight shift", step.shift, "right", "flat", right, (0.0, half), 2)]
-    phases += _swing(step, "right", right) + _transfer(step, "right", right, left)
-    phases += _swing(step, "left", left) + _transfer(step, "left", left, right2)
+    phases += _swing(biped, step, "right", right) + _transfer(biped, step, "right", right, left)
+    phases += _swing(biped, step, "left", left) + _transfer(biped, step, "left", left, right2)
     conditions: tuple[Condition, ...] = (
-        State(0, rest, np.zeros_like(rest)),
+        State(0, rest, np.zeros_like(rest), np.zeros_like(rest)),
         *_apex(biped, step, 2),
         _strike(step, 3),
         _off(step, 6),
@@ -158,8 +169,8 @@ def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Ar
     """From the cyclic walk to rest: a transition step, a step that closes up, and a weight shift; (23), (24)."""
     half, length = biped.width / 2.0, step.length
     right, left, right2 = (0.0, -half), (length, half), (length, -half)
-    phases = _swing(step, "right", right) + _transfer(step, "right", right, left)
-    phases += _swing(step, "left", left)
+    phases = _swing(biped, step, "right", right) + _transfer(biped, step, "right", right, left)
+    phases += _swing(biped, step, "left", left)
     phases.append(Phase("weight shift", step.shift, "left", "flat", left, right2, 2))
     conditions: tuple[Condition, ...] = (
         State(0, *begin),
@@ -167,7 +178,7 @@ def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Ar
         _strike(step, 2),
         _off(step, 5),
         *_apex(biped, step, 6),
-        State(8, rest, np.zeros_like(rest)),
+        State(8, rest, np.zeros_like(rest), np.zeros_like(rest)),
     )
     return Motion("stop", tuple(phases), conditions, parameters=_record("stop", step))
 
@@ -195,7 +206,7 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
     )
     still = np.zeros_like(rest)
     conditions: tuple[Condition, ...] = (
-        State(0, rest, still),
+        State(0, rest, still, still),
         State(1, velocity=still),
         At(2, "ankle_z", top),
         State(2, velocity=still),
@@ -208,6 +219,6 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
         At(4, "ankle_vx", 0.0),
         Same(5, 1),
         State(5, velocity=still),
-        State(6, rest, still),
+        State(6, rest, still, still),
     )
     return Motion("kick", phases, conditions, parameters=_record("kick", p))

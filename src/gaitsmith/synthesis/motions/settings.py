@@ -18,6 +18,7 @@ _YAW = 0.2  # of a sole's length and width, the default lever of its yaw moment
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
+Weight = Annotated[float, Field(ge=0.0, le=1e3)]
 
 
 class Bounds(Parameters):
@@ -64,25 +65,27 @@ class Settings(Parameters):
         order: degree of the joint splines: 4 as in the paper, or 5 (quintic).
         bounds: what every phase must respect.
         wrench_weight: of uᵀu in eq. (16) relative to τᵀτ; u in N and N·m.
+        rate_weight: of τ̇ᵀτ̇ beside eq. (16), times the square of the robot's unit of time.
+        acceleration_weight: of q̈ᵀq̈ beside eq. (16), times the square of the robot's units of torque and time squared.
         single_nodes: collocation points in a section of single support, ends included.
         double_nodes: the same in double support.
         refinements: how often points may be added where a bound is violated between the points.
         dense: points a phase on which every bound is checked.
         tolerance: of the solver, on scaled rows.
-        max_iterations: of the solver.
-        time_limit: s, for the whole solution.
+        max_iterations: of all solves of a motion together.
     """
 
     order: Literal[4, 5] = 5
     bounds: Bounds = Bounds()
     wrench_weight: Positive = 0.003
+    rate_weight: Weight = 1e-3
+    acceleration_weight: Weight = 1e-4
     single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
     double_nodes: Annotated[int, Field(ge=3, le=20)] = 4
     refinements: Annotated[int, Field(ge=0, le=30)] = 12
     dense: Annotated[int, Field(ge=50, le=5000)] = 400
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
-    max_iterations: Annotated[int, Field(ge=1, le=10000)] = 400
-    time_limit: Annotated[float, Field(gt=0.0, le=3600.0)] = 60.0
+    max_iterations: Annotated[int, Field(ge=1, le=100_000)] = 1000
 
     def sized(self, biped: Biped) -> Settings:
         """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it."""

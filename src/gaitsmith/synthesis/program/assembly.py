@@ -43,22 +43,25 @@ class Assembly:
         self._pivots, self._price = ca.DM(program.pivots), ca.DM(program.price)
         self._weight = ca.DM(program.points.weight * program.scale).T
         self._z = ca.reshape(ca.mtimes(self._B, self.x), layout.inputs, count)
+        self._S = _sparse(program.smooth)
+        self._effort = ca.DM(np.outer(program.effort, program.points.weight * program.scale))
         self._o = program.functions.mapped("value", program.groups, self._z, self._pivots)[0]
 
-    def _torque_slope(self, torque: Any) -> Any:
+    def _torque_slope(self, o: Any) -> Any:
         """D objective / d outputs, (outputs, K)."""
-        layout = self.program.functions.layout
-        rest = ca.MX(layout.outputs - layout.joints, self.program.points.count)
-        return ca.vertcat(2 * ca.repmat(self._weight, layout.joints, 1) * torque, rest)
+        layout, count = self.program.functions.layout, self.program.points.count
+        rest = ca.MX(layout.outputs - layout.joints, count)
+        torque = ca.vertcat(2 * ca.repmat(self._weight, layout.joints, 1) * o[: layout.joints, :], rest)
+        rates = ca.mtimes(self._S.T, ca.mtimes(self._S, ca.vec(o)))
+        return ca.densify(torque) + 2 * self.program.scale * ca.reshape(ca.densify(rates), layout.outputs, count)
 
     @cached_property
     def problem(self) -> dict[str, Any]:
         """Unknowns, objective and rows."""
-        layout, program = self.program.functions.layout, self.program
-        torque, u = self._o[: layout.joints, :], self._z[layout.wrench :, :]
-        f = ca.dot(ca.repmat(self._weight, layout.joints, 1) * torque, torque)
-        f += program.wrench_weight * ca.dot(ca.repmat(self._weight, 6, 1) * u, u)
-        f += ca.dot(self._price, self.x)
+        layout = self.program.functions.layout
+        torque, rates = self._o[: layout.joints, :], ca.mtimes(self._S, ca.vec(self._o))
+        f = ca.dot(ca.repmat(self._weight, layout.joints, 1) * torque, torque) + ca.dot(self._effort * self._z, self._z)
+        f += self.program.scale * ca.dot(rates, rates) + ca.dot(self._price, self.x)
         return {"x": self.x, "f": f, "g": ca.mtimes(self._C, ca.vec(self._o)) + ca.mtimes(self._D, self.x)}
 
     def _jacobians(self) -> tuple[Any, Any]:
@@ -69,11 +72,7 @@ class Assembly:
 
     def _slope(self, o: Any, J: Any) -> Any:
         """Gradient of the objective."""
-        layout, program = self.program.functions.layout, self.program
-        count = program.points.count
-        u = 2 * program.wrench_weight * ca.repmat(self._weight, 6, 1) * self._z[layout.wrench :, :]
-        inner = ca.vec(ca.densify(ca.vertcat(ca.MX(layout.wrench, count), u)))
-        outer = ca.vec(ca.densify(self._torque_slope(o[: layout.joints, :])))
+        inner, outer = ca.vec(ca.densify(2 * self._effort * self._z)), ca.vec(self._torque_slope(o))
         return ca.mtimes(self._B.T, ca.mtimes(J.T, outer) + inner) + self._price
 
     @cached_property
@@ -103,7 +102,7 @@ class Assembly:
         layout, program = self.program.functions.layout, self.program
         factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", program.rows)
         on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, program.points.count)
-        on_outputs = on_outputs + factor * self._torque_slope(self._o[: layout.joints, :])
+        on_outputs = on_outputs + factor * self._torque_slope(self._o)
         found = ca.triu(self._curvature(on_outputs, factor))
         return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
 
@@ -116,12 +115,13 @@ class Assembly:
 
     def _curvature(self, on_outputs: Any, factor: Any) -> Any:
         """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
-        layout, program, fun = self.program.functions.layout, self.program, self.program.functions
+        program, fun = self.program, self.program.functions
         count = program.points.count
         arguments = self._z, self._pivots, on_outputs, factor * self._weight
         (blocks,) = fun.mapped("hessian", program.groups, *arguments)
         H = ca.sparsity_cast(blocks, _blocks(fun.pattern("hessian"), count))
-        u_part = np.zeros((layout.inputs, count))
-        u_part[layout.wrench :, :] = 2 * program.wrench_weight * program.points.weight * program.scale
-        constant = _sparse(program.inputs.T @ sp.diags(u_part.T.ravel()) @ program.inputs)
-        return ca.mtimes(ca.mtimes(self._B.T, H), self._B) + factor * constant
+        effort = 2 * program.scale * np.outer(program.points.weight, program.effort).ravel()
+        constant = _sparse(program.inputs.T @ sp.diags(effort) @ program.inputs)
+        rates = ca.mtimes(ca.mtimes(self._S, self._jacobians()[1]), self._B)
+        smooth = 2 * program.scale * ca.mtimes(rates.T, rates)
+        return ca.mtimes(ca.mtimes(self._B.T, H), self._B) + factor * (constant + smooth)

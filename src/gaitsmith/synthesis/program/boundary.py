@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Motion, Phase, Same, State
-from gaitsmith.synthesis.program.bounds import quantity_form
+from gaitsmith.synthesis.program.bounds import Kind, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
@@ -142,7 +142,7 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             base = point * trans.layout.outputs
             value = condition.value - constant
             unit = QUANTITIES[condition.quantity].unit
-            label = Label(condition.quantity, unit, index, time, 1.0, constant, unit == "rad")
+            label = Label(condition.quantity, unit, index, time, 1.0, constant, unit == "rad", Kind.REQUEST, True)
             rows.add(label, value, value, {base + k: factor for k, factor in form.items()})
     if motion.cyclic:
         _periodic_rows(rows, trans, motion)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ import scipy.sparse as sp
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, wrench_rows
 from gaitsmith.synthesis.program.rows import Label, Rows
+from gaitsmith.synthesis.program.smoothness import torque_rates
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
@@ -19,7 +21,7 @@ _SCALE = 9.5  # of the objective in units of the robot's weight, leg and the tim
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """min scale * sum of weights (τᵀτ + ρ uᵀu) subject to low <= C vec(O) + D x <= high.
+    """min scale * (sum of weights (τᵀτ + zᵀ diag(ρ) z) + ‖S vec(O)‖²) + priceᵀx; low <= C vec(O) + D x <= high.
 
     Attributes:
         functions: of a point.
@@ -31,7 +33,8 @@ class Program:
         linear: D, (rows, size).
         low, high: (rows,).
         labels: what each row says.
-        wrench_weight: ρ.
+        effort: ρ, (inputs,), of u in (16) and of the accelerations beside it.
+        smooth: S, the torque rates times the root of their weight.
         scale: of the objective.
         price: (size,) of the unknowns, a linear part of the scaled objective.
     """
@@ -46,7 +49,8 @@ class Program:
     low: Array
     high: Array
     labels: list[Label]
-    wrench_weight: float
+    effort: Array
+    smooth: sp.csr_matrix
     scale: float
     price: Array
 
@@ -73,10 +77,15 @@ class Program:
         return np.asarray(self.outputs @ o.T.ravel() + self.linear @ x)
 
     def objective(self, z: Array, o: Array) -> float:
-        """J of eq. (16), unscaled and without prices."""
+        """J of eq. (16), unscaled, without rates, accelerations and prices."""
         layout = self.functions.layout
         torque, u = o[: layout.joints], z[layout.wrench :]
-        return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.wrench_weight * np.sum(u**2, axis=0)))
+        return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.effort[layout.wrench :] @ u**2))
+
+    def cost(self, z: Array, o: Array) -> float:
+        """What is minimised, unscaled and without prices."""
+        torque, rates = o[: self.functions.layout.joints], self.smooth @ o.T.ravel()
+        return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.effort @ z**2) + rates @ rates)
 
     def violation(self, values: Array) -> Array:
         """By how much each row is violated, 0 where it holds."""
@@ -134,10 +143,21 @@ def make_program(
         low=np.array(rows.low),
         high=np.array(rows.high),
         labels=rows.labels,
-        wrench_weight=trans.settings.wrench_weight,
+        effort=_efforts(trans),
+        smooth=torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time),
         scale=_SCALE / (trans.biped.effort**2 * trans.biped.fall_time),
         price=np.zeros(trans.size),
     )
+
+
+def _efforts(trans: Transcription) -> Array:
+    """(inputs,) weights of the squares of accelerations and of u beside those of the torques."""
+    layout, biped, settings = trans.layout, trans.biped, trans.settings
+    found = np.zeros(layout.inputs)
+    inertia = biped.effort * biped.fall_time**2
+    found[layout.acceleration : layout.wrench] = settings.acceleration_weight * inertia**2
+    found[layout.wrench :] = settings.wrench_weight
+    return found
 
 
 def every_bound(trans: Transcription, points: Points) -> list[ImposedBound]:

@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 class Label:
     """What a row says, where, and how its value reads: value times span plus constant, or the angle with that sine.
 
-    ``kind`` is that of a bound; None for an equality.
+    ``kind`` is that of a bound or a condition; None for what holds by construction. ``exact``: an equality.
     """
 
     name: str
@@ -29,6 +29,7 @@ class Label:
     constant: float = 0.0
     sine: bool = False
     kind: Kind | None = None
+    exact: bool = False
 
     def shown(self, value: float) -> float:
         """The row's value, or a bound on it, in the unit."""

@@ -99,6 +99,15 @@ class Transcription:
                     weight.append(w * (b - a))
         return Points(np.array(phase), np.array(section), np.array(time), np.array(weight))
 
+    def nodes(self, phase: int, section: int) -> Array:
+        """Times of the Gauss-Lobatto points of a section of a phase, s."""
+        a, b = self.spline.knots[section : section + 2]
+        return np.asarray(a + (b - a) * lobatto(self.nodes_in(phase))[0])
+
+    def nodes_in(self, phase: int) -> int:
+        """How many there are in a section of a phase."""
+        return self.settings.double_nodes if self.motion.phases[phase].double else self.settings.single_nodes
+
     def instants(self, phases: Indices | int, times: Array) -> Points:
         """Points without weight at times (K,) in phases, (K,) or one for all; a border belongs to either phase."""
         phase = np.broadcast_to(phases, times.shape).astype(np.int64)

@@ -54,6 +54,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     return {
         "status": main.status,
         "reason": main.reason,
+        "undecided": main.status not in ("solved", "not solved"),
         "motion": kind,
         "step": None if gait is None else _step(gait),
         "without_solution": list(found.periods),

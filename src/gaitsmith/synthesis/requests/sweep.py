@@ -59,7 +59,7 @@ def sweep_row(robot: str, speed: float, periods: tuple[float, ...]) -> list[Cell
     """All periods at one speed, each solved from its neighbour where there is one."""
     loaded = load_robot(robot)
     planner = Planner(loaded)
-    settings = Settings(bounds=Bounds(zmp_margin=MARGIN), time_limit=60.0)
+    settings = Settings(bounds=Bounds(zmp_margin=MARGIN))
     cells: list[Cell] = []
     neighbour: PlanResult | None = None
     for period in periods:

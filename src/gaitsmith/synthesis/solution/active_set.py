@@ -23,8 +23,8 @@ _SOFT = 1e-10  # of a row per unit of its multiplier: rows that depend on others
 _BEYOND = 1e-8  # of a row's range; what counts as beyond a bound
 _RIDGE = 1e-9  # relative; doubtful bounds that depend on each other
 _TRIFLE = 1e-9  # share of the largest multiplier
-_ROUNDS = 12
-_DOUBTS = 300
+_ROUNDS = 30
+_DOUBTS = 1000
 
 
 @dataclass(frozen=True, eq=False)

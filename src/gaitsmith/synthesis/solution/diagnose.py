@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 
 from gaitsmith.synthesis.program.program import Program
@@ -32,21 +31,22 @@ def lacking(trans: Transcription, least: Elastic) -> str:
 
     Where hardly any bound is exceeded and the conditions still do not hold, it is they that contradict each other.
     """
-    if least.unmet is not None and all(item.share < _SLIGHT for item in least.excesses):
-        text = _described(trans, least.unmet)
+    missed = next((item for item in least.excesses if item.label.exact), least.unmet)
+    if missed is not None and all(item.share < _SLIGHT for item in least.excesses if not item.label.exact):
+        text = _described(trans, missed)
         return f"no solution: the conditions do not hold together, whatever the robot could do: {text}"
     said = [_described(trans, item) for item in least.excesses[:_TOLD]]
     return f"no solution: it would take {', and '.join(said)}"
 
 
-def explain(trans: Transcription, program: Program, found: Solution, late: bool) -> str:
-    """The row that could not be met, its value and limit, and where."""
+def undecided(trans: Transcription, program: Program, found: Solution, spent: int) -> str:
+    """What did not hold yet when the iterations were spent: neither a gait nor a reason why there is none."""
+    ending = f"not decided after {spent} iterations, --max-iterations allows more"
     z, o = program.evaluate(found.x)
     if not (np.isfinite(z).all() and np.isfinite(o).all()):
-        return "the solver left the range of finite numbers; the request is far from anything this robot can do"
+        return f"{ending}: the solver left the range of finite numbers"
     values = program.constraint(found.x, o)
     gaps = program.violation(values)
-    ending = "no solution within the time limit" if late else "no solution"
     if gaps.max(initial=0.0) < 1e-6:
         return f"{ending}: every constraint holds, but the torques are not at their least yet"
     unequal = program.high - program.low > 0.0
@@ -64,21 +64,3 @@ def _described(trans: Transcription, excess: Excess) -> str:
     if limit == 0.0:
         pair = f"{abs(value):.3g} {label.unit} beyond its limit"
     return f"{label.name} {pair} at {place(trans, label.phase, label.time)}"
-
-
-def out_of_reach(trans: Transcription) -> str:
-    """Why no posture at all reaches both footholds of a phase, in words; empty where one might.
-
-    A necessary condition, cheap to look at before solving: with the legs stretched out level the soles are at most two
-    legs and the hips' share of the torso's yaw apart.
-    """
-    biped, data = trans.biped, mujoco.MjData(trans.biped.model)
-    mujoco.mj_kinematics(biped.model, data)
-    chain = data.xanchor[biped.robot.legs[0].joint_indices + 1]
-    leg = float(np.linalg.norm(np.diff(chain, axis=0), axis=1).sum())
-    reach = 2.0 * leg + biped.width * float(np.sin(trans.settings.bounds.torso_yaw))
-    for phase in trans.motion.phases:
-        apart = 0.0 if phase.other is None else abs(phase.other[0] - phase.foothold[0])
-        if phase.contact == "flat" and apart > reach:
-            return f"no solution: feet {apart:.3g} m apart in {phase.name}, the legs reach {reach:.3g} m at most"
-    return ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,10 +17,10 @@ from gaitsmith.synthesis.solution.ipopt import Progress, solve_ipopt
 Array = npt.NDArray[np.float64]
 _PENALTIES = {Kind.TORQUE: 1.0, Kind.VELOCITY: 1.0, Kind.ANGLE: 3.0, Kind.ZMP: 3.0, Kind.NORMAL_FORCE: 3.0}
 _OTHERS = 10.0  # penalty of what is asked for, rather than what the robot can do
+_CONDITIONS = 100.0  # of what has to hold exactly
 _JOINT = (Kind.TORQUE, Kind.VELOCITY, Kind.ANGLE)
 _COST = 1e-4  # share of the objective that is kept, so that the least motion is chosen
 _TOLERANCE = 1e-4
-_ITERATIONS = 200
 _NOTHING = 1e-4  # of a range
 
 
@@ -46,29 +46,36 @@ class Elastic:
     """The least excess with which a request can be met.
 
     Attributes:
-        solved: whether all equalities hold, with or without bounds exceeded.
+        solved: whether the excess is at its least; else nothing is decided.
         x: unknowns.
+        iterations: that it took.
         excesses: the bounds exceeded, the joints' own first, the worst first; none if the request can be met.
         unmet: the equality that holds least; None where all hold.
     """
 
     solved: bool
     x: Array
-    excesses: list[Excess]
+    iterations: int
+    excesses: list[Excess] = field(default_factory=list)
     unmet: Excess | None = None
+
+    @property
+    def total(self) -> float:
+        """All excesses together, shares of their ranges."""
+        return sum(item.share for item in self.excesses) + (self.unmet.share if self.unmet is not None else 0.0)
 
 
 def solve_elastic(
-    program: Program, start: Array, time_limit: float, report: Callable[[Progress], None] | None = None
+    program: Program, start: Array, max_iterations: int, report: Callable[[Progress], None] | None = None
 ) -> Elastic:
-    """Solve a program whose bounds may be exceeded; equalities hold.
+    """Solve a program whose bounds may be exceeded, and whose conditions may be missed; closure and dynamics hold.
 
     All rows of one name share one unknown, the share of the range by which they may be exceeded.
 
     Args:
         program: the program, with all the bounds that matter.
         start: unknowns to start from.
-        time_limit: s.
+        max_iterations: before it gives up.
         report: called at every iteration.
     """
     soft = _elastic(program)
@@ -78,24 +85,24 @@ def solve_elastic(
     for row, column in enumerate(_columns(program)):
         if column >= 0:
             begin[program.size + column] = max(begin[program.size + column], 1.01 * gaps[row])
-    found = solve_ipopt(soft, begin, _TOLERANCE, _ITERATIONS, time_limit, report)
+    found = solve_ipopt(soft, begin, _TOLERANCE, max_iterations, report)
     x = found.x[: program.size]
     _, o = program.evaluate(x)
     values = program.constraint(x, o)
     if not np.isfinite(values).all():
-        return Elastic(False, start, [])
+        return Elastic(False, start, found.iterations)
     gaps = program.violation(values)
     worst: dict[str, int] = {}
     for row, label in enumerate(program.labels):
-        if program.high[row] > program.low[row] and gaps[row] > max(_NOTHING, gaps[worst.get(label.name, row)] * 0.999):
+        if label.kind is not None and gaps[row] > max(_NOTHING, gaps[worst.get(label.name, row)] * 0.999):
             worst[label.name] = row
     # What the joints lack comes first: a ZMP out of place is often its consequence.
     order = sorted(worst.values(), key=lambda row: (program.labels[row].kind not in _JOINT, -gaps[row]))
     excesses = [excess_of(program, row, values) for row in order]
-    unequal = program.high > program.low
-    row = int(np.argmax(np.where(unequal, 0.0, gaps)))
-    unmet = None if unequal[row] or gaps[row] < _NOTHING else excess_of(program, row, values)
-    return Elastic(found.solved, x, excesses, unmet)
+    soft_row = np.array([label.kind is not None for label in program.labels])
+    row = int(np.argmax(np.where(soft_row, 0.0, gaps)))
+    unmet = None if soft_row[row] or gaps[row] < _NOTHING else excess_of(program, row, values)
+    return Elastic(found.solved, x, found.iterations, excesses, unmet)
 
 
 def excess_of(program: Program, row: int, values: Array) -> Excess:
@@ -106,11 +113,11 @@ def excess_of(program: Program, row: int, values: Array) -> Excess:
 
 
 def _columns(program: Program) -> list[int]:
-    """Per row the number of the unknown by which it may be exceeded; -1 for an equality."""
+    """Per row the number of the unknown by which it may be exceeded; -1 for what holds by construction."""
     names: dict[str, int] = {}
     return [
-        names.setdefault(label.name, len(names)) if high > low else -1
-        for label, low, high in zip(program.labels, program.low, program.high, strict=True)
+        -1 if label.kind is None else names.setdefault(label.name + " exactly" * label.exact, len(names))
+        for label in program.labels
     ]
 
 
@@ -119,7 +126,7 @@ def _penalties(program: Program, columns: npt.NDArray[np.int64], extra: int) -> 
     found = np.zeros(extra)
     for label, column in zip(program.labels, columns.tolist(), strict=True):
         if column >= 0 and label.kind is not None:
-            found[column] = _PENALTIES.get(label.kind, _OTHERS)
+            found[column] = _CONDITIONS if label.exact else _PENALTIES.get(label.kind, _OTHERS)
     return found
 
 
@@ -142,7 +149,7 @@ def _elastic(program: Program) -> Program:
     labels = [program.labels[row] for row in source] + [Label("excess", "", 0, 0.0, 1.0)] * extra
     return replace(
         program,
-        points=replace(program.points, weight=program.points.weight * _COST),
+        scale=program.scale * _COST,
         inputs=sp.csr_matrix(sp.hstack([program.inputs, sp.csr_matrix((program.inputs.shape[0], extra))])),
         outputs=sp.csr_matrix(sp.vstack([program.outputs[source], sp.csr_matrix((extra, program.outputs.shape[1]))])),
         linear=sp.csr_matrix(sp.vstack([sp.hstack([program.linear[source], slack]), positive])),

@@ -71,11 +71,11 @@ class Solution:
 
 
 class _Watch(ca.Callback):
-    """Reports iterations, and stops the solver at the time limit or on Ctrl-C."""
+    """Reports iterations, and stops the solver on Ctrl-C."""
 
-    def __init__(self, program: Program, report: Callable[[Progress], None] | None, deadline: float) -> None:
+    def __init__(self, program: Program, report: Callable[[Progress], None] | None) -> None:
         ca.Callback.__init__(self)
-        self.program, self.report, self.deadline = program, report, deadline
+        self.program, self.report = program, report
         self.interrupted: BaseException | None = None
         self.iteration = -1
         self.construct("watch", {})
@@ -108,7 +108,7 @@ class _Watch(ca.Callback):
         except BaseException as error:
             self.interrupted = error
             return [1]
-        return [1 if time.perf_counter() > self.deadline else 0]
+        return [0]
 
 
 @contextmanager
@@ -133,7 +133,6 @@ def solve_ipopt(
     start: Array,
     tolerance: float,
     max_iterations: int,
-    time_limit: float,
     report: Callable[[Progress], None] | None = None,
     options: dict[str, Any] | None = None,
 ) -> Solution:
@@ -144,7 +143,6 @@ def solve_ipopt(
         start: unknowns to start from.
         tolerance: on optimality and on scaled rows.
         max_iterations: before it gives up.
-        time_limit: s.
         report: called at every iteration.
         options: further IPOPT options.
 
@@ -153,7 +151,7 @@ def solve_ipopt(
     """
     begin = time.perf_counter()
     assembly = Assembly(program)
-    watch = _Watch(program, report, begin + time_limit)
+    watch = _Watch(program, report)
     ipopt: dict[str, Any] = {
         "print_level": 0,
         "sb": "yes",
@@ -161,7 +159,6 @@ def solve_ipopt(
         "constr_viol_tol": tolerance,
         "acceptable_iter": 0,
         "max_iter": max_iterations,
-        "max_wall_time": time_limit,
         "mu_strategy": "adaptive",
         "alpha_for_y": "min-dual-infeas",
         "bound_push": 0.1,

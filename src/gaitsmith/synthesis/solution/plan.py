@@ -31,8 +31,9 @@ from gaitsmith.synthesis.solution.bound_check import (
 )
 from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, merge, ranked
 from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces, objective_of
-from gaitsmith.synthesis.solution.diagnose import explain, lacking, out_of_reach
-from gaitsmith.synthesis.solution.elastic import solve_elastic
+from gaitsmith.synthesis.solution.diagnose import lacking, undecided
+from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
+from gaitsmith.synthesis.solution.geometry import out_of_reach
 from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
 from gaitsmith.synthesis.solution.sqp import solve_sqp
@@ -42,11 +43,11 @@ _ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is f
 _AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
 _CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
 _SELDOM = (Kind.TORQUE, *_CURVED)  # imposed only where the dense grid asks for it
-_EXAMINATION = 20.0  # s, to find out why there is no solution
 _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
 _USUAL = 60  # iterations from standing still; who needs more has asked for too much, or for another start
+_ANOTHER = 100  # where a warm start failed
 _FAR = {  # slower, but it also arrives from afar
     "alpha_for_y": "primal",
     "bound_push": 0.01,
@@ -63,7 +64,8 @@ class PlanResult:
     """How planning ended.
 
     Attributes:
-        status: ``solved``, ``not solved`` or ``not certified``.
+        status: ``solved``, ``not solved`` (nothing solves it), ``not decided`` (the iterations are spent) or
+            ``not certified`` (a bound is not kept between the points, or by a joint that is held).
         reason: why not, in words; empty when solved.
         variables: unknowns.
         times: s: setup, compile, solve, check.
@@ -145,7 +147,6 @@ class Planner:
         check_margin(self.biped, settings.bounds)
         compiled = self.functions.compile_s if self._compile_s is None else 0.0
         begin = time.perf_counter()
-        deadline = begin + settings.time_limit
         trans = Transcription(self.biped, motion, settings)
         times = {"setup": 0.0, "compile": compiled, "solve": 0.0, "check": 0.0}
         result = PlanResult("not solved", out_of_reach(trans), trans.size, times, borders=motion.borders)
@@ -159,14 +160,16 @@ class Planner:
             x, found = neighbour.x, neighbour.solution
         else:
             imposed, x, found = without_seldom(trans, base), usual, None
-        examined = False
+        examined = settled = False  # the first solve is a rough one
         times["setup"] += time.perf_counter() - begin
         while True:
             clock = time.perf_counter()
             program = make_program(trans, self.functions, with_times(trans, base, imposed), imposed)
             tell = None if report is None else partial(report, result.rounds)
             far = start is not None or examined
-            found, fallbacks = self._solve(program, found, x, settings, deadline, result.rounds, far, tell)
+            left = max(settings.max_iterations - result.iterations, 1)
+            most = left if far else min(left, _USUAL if found is None else _ANOTHER)
+            found, fallbacks = self._solve(program, found, x, settings, most, result.rounds, far, tell)
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
@@ -182,23 +185,30 @@ class Planner:
                 solution=found,
             )
             if not found.solved:
-                possible, reason = self._examined(trans, base, program, found, usual, deadline, tell)
-                if possible is None or examined:
-                    return replace(result, reason=reason)
-                imposed, x, found, examined = without_seldom(trans, base), possible, None, True
+                text = undecided(trans, program, found, result.iterations)
+                left = settings.max_iterations - result.iterations
+                if examined or left <= 0:
+                    return replace(result, status="not decided", reason=text)
+                least = self._examined(trans, base, (usual, x), left, tell)
+                result = replace(result, iterations=result.iterations + least.iterations)
+                if not least.solved:
+                    return replace(result, status="not decided", reason=text)
+                if least.excesses or least.unmet is not None:
+                    return replace(result, reason=lacking(trans, least))
+                imposed, x, found, examined = without_seldom(trans, base), least.x, None, True
                 continue
             clock = time.perf_counter()
             checks = check_bounds(trans, self.functions, x, settings.dense)
             times["check"] += time.perf_counter() - clock
-            if worst_violation(checks) <= _ENOUGH:
+            if worst_violation(checks) <= _ENOUGH and settled:
                 break
-            if result.rounds >= settings.refinements or time.perf_counter() > deadline:
+            if result.rounds >= settings.refinements:
                 worst = certificate(trans, checks)
                 first = worst[0]
                 text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
                 text += f", after {result.rounds} refinements"
                 return replace(result, status="not certified", reason=text, worst=worst)
-            imposed = with_violated(trans, checks, imposed, _AIM)
+            imposed, settled = with_violated(trans, checks, imposed, _AIM), True
             result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)
@@ -219,21 +229,23 @@ class Planner:
         self,
         trans: Transcription,
         base: Points,
-        program: Program,
-        found: Solution,
-        start: Array,
-        deadline: float,
+        starts: tuple[Array, ...],
+        left: int,
         tell: Callable[[Progress], None] | None,
-    ) -> tuple[Array | None, str]:
-        """Unknowns that meet everything, if there are any after all; and the reason why not, in words."""
-        late = time.perf_counter() > deadline
-        reason = explain(trans, program, found, late)
+    ) -> Elastic:
+        """The least excess of bounds with which everything can be met, from several starts until there is none."""
         imposed = without(every_bound(trans, base), trans, _CURVED)
         whole = make_program(trans, self.functions, base, imposed)
-        least = solve_elastic(whole, start, min(_EXAMINATION, trans.settings.time_limit), tell)
-        if least.excesses or least.unmet is not None:
-            return None, lacking(trans, least)
-        return (least.x if least.solved and not late else None), reason
+        found, spent = None, 0
+        for begin in starts:
+            least = solve_elastic(whole, begin, left - spent, tell)
+            spent += least.iterations
+            if found is None or (least.solved and (not found.solved or least.total < found.total)):
+                found = least
+            if spent >= left or (found.solved and not found.total):
+                break
+        assert found is not None
+        return replace(found, iterations=spent)
 
     def _solve(
         self,
@@ -241,7 +253,7 @@ class Planner:
         last: Solution | None,
         x: Array,
         settings: Settings,
-        deadline: float,
+        left: int,
         rounds: int,
         far: bool,
         tell: Callable[[Progress], None] | None,
@@ -255,14 +267,13 @@ class Planner:
             multipliers = np.zeros(program.rows)
             count = min(program.rows, len(last.multipliers))
             multipliers[:count] = last.multipliers[:count]
-            found = solve_sqp(program, x, multipliers, _WARM_ITERATIONS, deadline, rounds > 0, tell)
-            if found.solved or time.perf_counter() > deadline:
+            most = min(_WARM_ITERATIONS, left)
+            found = solve_sqp(program, x, multipliers, most, rounds > 0, tell)
+            if found.solved or found.iterations >= left:
                 return found, 0
             far, tried = True, found.iterations
-        left = max(deadline - time.perf_counter(), 0.01)
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
-        most = settings.max_iterations if far else min(settings.max_iterations, _USUAL)
-        cold = solve_ipopt(program, x, tolerance, most, left, tell, _FAR if far else None)
+        cold = solve_ipopt(program, x, tolerance, left - tried, tell, _FAR if far else None)
         return replace(cold, iterations=cold.iterations + tried), int(last is not None)
 
     def _gait(self, trans: Transcription, checks: list[BoundCheck], result: PlanResult) -> Gait:

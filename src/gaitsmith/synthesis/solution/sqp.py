@@ -29,7 +29,6 @@ def solve_sqp(
     start: Array,
     multipliers: Array,
     max_iterations: int,
-    deadline: float,
     new_bounds: bool,
     report: Callable[[Progress], None] | None = None,
 ) -> Solution:
@@ -40,7 +39,6 @@ def solve_sqp(
         start: unknowns to start from.
         multipliers: of the rows, to start from.
         max_iterations: before it gives up.
-        deadline: reading of ``time.perf_counter`` at which it gives up.
         new_bounds: the program has bounds that the start violates: the first step is then a convex one.
         report: called at every iteration.
 
@@ -58,9 +56,9 @@ def solve_sqp(
         jacobian = first_order.matrix(2).tocsr()
         violation = float(program.violation(rows).max(initial=0.0))
         z, o = program.evaluate(x)
-        objective = program.objective(z, o) * program.scale
+        objective, cost = program.objective(z, o), program.cost(z, o) * program.scale
         if report is not None:
-            report(progress_of(program, iteration, objective / program.scale, rows))
+            report(progress_of(program, iteration, objective, rows))
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:
@@ -75,7 +73,7 @@ def solve_sqp(
         step, lam = found.step, found.multipliers
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
-        if violation < _ROWS and gain < _GAIN * abs(objective):
+        if violation < _ROWS and gain < _GAIN * abs(cost):
             x, left = _settled(program, x + step, found)
             solved = left < _SETTLED
             status = "Solve_Succeeded" if solved else "Restoration_Failed"
@@ -85,9 +83,6 @@ def solve_sqp(
             break
         previous = size
         x = x + step * min(1.0, _STEP / size)
-        if time.perf_counter() > deadline:
-            status = "Maximum_Time_Exceeded"
-            break
     return Solution(x, solved, status, iteration, ready - begin, lam)
 
 

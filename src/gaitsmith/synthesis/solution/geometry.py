@@ -1,0 +1,74 @@
+"""What geometry alone excludes, before anything is solved."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Phase
+from gaitsmith.synthesis.program.bounds import quantity_form
+from gaitsmith.synthesis.program.transcription import Transcription
+
+_TOUCH = 1e-9  # m, m/s or a sine
+_PLACED = ("ankle", "sole", "toe", "heel", "foot")
+
+
+def out_of_reach(trans: Transcription) -> str:
+    """Why geometry alone allows no motion, in words; empty where it might. Cheap to look at before solving.
+
+    With the legs stretched out level the soles are at most two legs and the hips' share of the torso's yaw apart. A
+    foot that lies flat has a place that no limit may exclude, and what a condition asks for has to lie within the
+    limits that hold then.
+    """
+    biped, data = trans.biped, mujoco.MjData(trans.biped.model)
+    mujoco.mj_kinematics(biped.model, data)
+    chain = data.xanchor[biped.robot.legs[0].joint_indices + 1]
+    leg = float(np.linalg.norm(np.diff(chain, axis=0), axis=1).sum())
+    reach = 2.0 * leg + biped.width * float(np.sin(trans.settings.bounds.torso_yaw))
+    motion, wanted = trans.motion, [item for item in trans.motion.conditions if isinstance(item, At)]
+    for index, phase in enumerate(motion.phases):
+        apart = 0.0 if phase.other is None else abs(phase.other[0] - phase.foothold[0])
+        if phase.contact == "flat" and apart > reach:
+            return f"no solution: feet {apart:.3g} m apart in {phase.name}, the legs reach {reach:.3g} m at most"
+        for limit in phase.limits:
+            for border, neighbour in ((index, index - 1), (index + 1, index + 1)):
+                rests = _resting(trans, neighbour, phase, limit.quantity)
+                if rests is not None and not limit.low - _TOUCH <= rests <= limit.high + _TOUCH:
+                    return _excluded(limit, rests, phase, "where the foot stands")
+                for value in (
+                    item.value for item in wanted if (item.border, item.quantity) == (border, limit.quantity)
+                ):
+                    if not limit.low - _TOUCH <= value <= limit.high + _TOUCH:
+                        return _excluded(limit, value, phase, "that a condition asks for")
+    for condition in wanted:
+        phase = motion.phases[max(condition.border - 1, 0)]
+        if condition.quantity in ("ankle_x", "sole_x"):
+            apart = abs(condition.value - phase.foothold[0])
+            if apart > reach:
+                text = f"{condition.quantity} {apart:.3g} m from the support foot in {phase.name}"
+                return f"no solution: {text}, the legs reach {reach:.3g} m at most"
+    return ""
+
+
+def _resting(trans: Transcription, neighbour: int, phase: Phase, quantity: str) -> float | None:
+    """A quantity of the other foot as it lies flat in a neighbouring phase; None where it does not."""
+    phases = trans.motion.phases
+    if phase.double or not 0 <= neighbour < len(phases) or QUANTITIES[quantity].part not in _PLACED:
+        return None
+    place = phases[neighbour].place(phase.other_foot)
+    if phases[neighbour].contact != "flat" or place is None:
+        return None
+    layout, leg = trans.layout, trans.biped.leg(phase.other_foot)
+    o = np.zeros(layout.outputs)
+    origin = np.array([place[0] - phase.foothold[0], phase.side * (place[1] - phase.foothold[1]), 0.0])
+    ankle = -leg.sole_rotation.T @ leg.sole_position * (1.0, phase.side, 1.0)
+    o[layout.pivot : layout.pivot + 3], o[layout.ankle : layout.ankle + 3] = origin, origin + ankle
+    o[layout.foot_forward] = 1.0
+    form, constant = quantity_form(trans.biped, phase, quantity)
+    return constant + sum(factor * float(o[k]) for k, factor in form.items())
+
+
+def _excluded(limit: Limit, value: float, phase: Phase, what: str) -> str:
+    unit = QUANTITIES[limit.quantity].unit
+    bound = f"at least {limit.low:.3g}" if value < limit.low else f"at most {limit.high:.3g}"
+    return f"no solution: {limit.quantity} {value:.3g} {unit}, {what}, is not {bound} {unit} as {phase.name} demands"
