@@ -18,7 +18,7 @@ _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 
 def _point(points: Points, phase: int, time: float) -> int:
     """Index of the point of a phase at a time."""
-    found = np.flatnonzero((points.phase == phase) & (np.abs(points.time - time) < 1e-9))
+    found = np.flatnonzero((points.control < 0) & (points.phase == phase) & (np.abs(points.time - time) < 1e-9))
     if len(found) == 0:
         raise BadInput("point", time, "an instant among the collocation points")
     return int(found[0])

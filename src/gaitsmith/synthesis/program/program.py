@@ -11,7 +11,8 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, wrench_rows
-from gaitsmith.synthesis.program.rows import Label, Rows
+from gaitsmith.synthesis.program.cones import cone_rows, is_cone
+from gaitsmith.synthesis.program.rows import Label, Rows, bound_label
 from gaitsmith.synthesis.program.smoothness import torque_rates
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
@@ -121,16 +122,21 @@ def make_program(
     closure_rows(rows, trans, points)
     wrench_rows(rows, trans, points)
     condition_rows(rows, trans, points)
+    cone_rows(rows, trans, points)
     if imposed is None:
         imposed = every_bound(trans, points)
-    where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
+    where = points.places()
     times = np.array([item.time for item in imposed])
     shares = trans.share(np.array([item.phase for item in imposed], dtype=np.int64), times).tolist()
     for item, share in zip(imposed, shares, strict=True):
         bound = trans.bounds[item.phase][item.bound]
-        constant = 0.0 if bound.rise else bound.constant
-        label = Label(bound.name, bound.unit, item.phase, item.time, bound.span, constant, bound.sine, bound.kind)
-        rows.add_bound(bound, label, where[item.phase, round(item.time, 9)], share, item.tighten)
+        rows.add_bound(
+            bound,
+            bound_label(bound, item.phase, item.time),
+            where[item.phase, round(item.time, 9)],
+            share,
+            item.tighten,
+        )
     c, d = rows.matrices(inputs)
     return Program(
         functions=functions,
@@ -164,12 +170,14 @@ def every_bound(trans: Transcription, points: Points) -> list[ImposedBound]:
     """Every bound at every point."""
     borders, motion = trans.motion.borders, trans.motion
     found = []
-    for phase, time in zip(points.phase.tolist(), points.time.tolist(), strict=True):
+    for phase, time, control in zip(points.phase.tolist(), points.time.tolist(), points.control.tolist(), strict=True):
+        if control >= 0:
+            continue
         start, end = abs(time - borders[phase]) < 1e-9, abs(time - borders[phase + 1]) < 1e-9
         free = (start and motion.meets(phase)) or (end and motion.leaves(phase))
         for k, bound in enumerate(trans.bounds[phase]):
             # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
-            unloaded = free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench
-            if not (bound.interior and (start or end)) and not unloaded:
+            coned = is_cone(trans, bound) or (free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench)
+            if not (bound.interior and (start or end)) and not coned:
                 found.append(ImposedBound(phase, k, time))
     return found

@@ -36,6 +36,12 @@ class Label:
         return shown(value * self.span + self.constant, self.sine)
 
 
+def bound_label(bound: PhaseBound, phase: int, time: float) -> Label:
+    """What a row says that imposes a bound at a time."""
+    constant = 0.0 if bound.rise else bound.constant
+    return Label(bound.name, bound.unit, phase, time, bound.span, constant, bound.sine, bound.kind)
+
+
 @dataclass
 class Rows:
     """low <= C vec(O) + D x <= high; O (outputs, K) and Z (inputs, K), linear in x, are taken column by column.

@@ -29,7 +29,7 @@ def torque_rates(trans: Transcription, points: Points) -> sp.csr_matrix:
     The torques of a section are the polynomial through its Gauss-Lobatto points; the quadrature is exact for it.
     """
     layout, n = trans.layout, trans.biped.joints
-    where = {(int(p), round(float(t), 9)): k for k, (p, t) in enumerate(zip(points.phase, points.time, strict=True))}
+    where = points.places()
     data, rows, columns, row = [], [], [], 0
     for section, phase in enumerate(trans.phase_of_section):
         nodes, weights = lobatto(trans.nodes_in(phase))

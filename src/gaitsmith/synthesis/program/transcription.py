@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 WRENCH_DEGREE = 3
+_UNIT = np.eye(WRENCH_DEGREE + 1)
 
 
 @dataclass(frozen=True)
@@ -30,17 +31,28 @@ class Points:
         section: (K,) index of the spline section.
         time: (K,) s from the start of the motion.
         weight: (K,) s, of the integral (16); 0 for added points.
+        control: (K,) which Bernstein coefficient of u such a point has as its wrench; -1: u at its time.
     """
 
     phase: Indices
     section: Indices
     time: Array
     weight: Array
+    control: Indices
 
     @property
     def count(self) -> int:
         """Number of points K."""
         return len(self.time)
+
+    def places(self) -> dict[tuple[int, float], int]:
+        """Which point lies at a time of a phase, to 1 ns."""
+        times = zip(self.phase.tolist(), self.time.tolist(), self.control.tolist(), strict=True)
+        return {(phase, round(time, 9)): k for k, (phase, time, control) in enumerate(times) if control < 0}
+
+    def with_(self, more: Points) -> Points:
+        """These and more of them."""
+        return Points(*(np.concatenate(pair) for pair in zip(vars(self).values(), vars(more).values(), strict=True)))
 
 
 class Transcription:
@@ -97,7 +109,16 @@ class Transcription:
                     section.append(number)
                     time.append(a + (b - a) * node)
                     weight.append(w * (b - a))
-        return Points(np.array(phase), np.array(section), np.array(time), np.array(weight))
+        found = Points(np.array(phase), np.array(section), np.array(time), np.array(weight), np.full(len(time), -1))
+        ends = [
+            (index, k) for index, item in enumerate(self.motion.phases) if item.double for k in self._vanishing(index)
+        ]
+        phases, controls = np.array(ends, dtype=np.int64).reshape(-1, 2).T
+        return found.with_(replace(self.instants(phases, self.borders[phases + (controls > 1)]), control=controls))
+
+    def _vanishing(self, phase: int) -> list[int]:
+        """Coefficients next to an end of a phase at which u is zero: what its direction tends to there."""
+        return [1] * self.motion.meets(phase) + [WRENCH_DEGREE - 1] * self.motion.leaves(phase)
 
     def nodes(self, phase: int, section: int) -> Array:
         """Times of the Gauss-Lobatto points of a section of a phase, s."""
@@ -114,7 +135,7 @@ class Transcription:
         first = np.array(self.first_section)[phase]
         last = first + np.array([item.sections for item in self.motion.phases])[phase] - 1
         section = np.clip(np.searchsorted(self.spline.knots, times, side="right") - 1, first, last)
-        return Points(phase, section, times, np.zeros(len(times)))
+        return Points(phase, section, times, np.zeros(len(times)), np.full(len(times), -1))
 
     def share(self, phases: Indices | int, times: Array) -> Array:
         """Normalised times in their phases, 0 to 1."""
@@ -161,8 +182,9 @@ class Transcription:
                 rows.append(np.repeat(base + derivative * n + local, width))
                 columns.append(block)
             if phase.double:
-                s = (t - borders[index]) / phase.duration
-                data.append(np.tile(scale * bernstein(WRENCH_DEGREE, min(max(s, 0.0), 1.0)), 6))
+                s, control = (t - borders[index]) / phase.duration, int(points.control[k])
+                shares = bernstein(WRENCH_DEGREE, min(max(s, 0.0), 1.0)) if control < 0 else _UNIT[control]
+                data.append(np.tile(scale * shares, 6))
                 rows.append(np.repeat(base + layout.wrench + np.arange(6), WRENCH_DEGREE + 1))
                 columns.append(self.wrench_columns(index).ravel())
         shape = (points.count * layout.inputs, self.size)

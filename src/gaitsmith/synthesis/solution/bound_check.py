@@ -157,9 +157,9 @@ def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: 
 
 def with_times(trans: Transcription, points: Points, imposed: list[ImposedBound]) -> Points:
     """Points with those instants of the imposed bounds added that they lack."""
-    have = {(int(p), round(float(t), 9)) for p, t in zip(points.phase, points.time, strict=True)}
+    have = points.places()
     lacking = {(item.phase, round(item.time, 9)): item.time for item in imposed}
     added = {key: time for key, time in lacking.items() if key not in have}
     phases = np.array([phase for phase, _ in added], dtype=np.int64)
     more = trans.instants(phases, np.array(list(added.values()), dtype=np.float64))
-    return Points(*(np.concatenate(pair) for pair in zip(vars(points).values(), vars(more).values(), strict=True)))
+    return points.with_(more)
