@@ -10,7 +10,7 @@ import math
 import re
 import shutil
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
@@ -43,7 +43,11 @@ GaitFile = Annotated[str, Positional("Gait file", metavar="GAIT")]
 
 
 def overriding(
-    own: type[_Model], model: type[BaseModel], absent: str, defaults: Mapping[str, Any] | None = None
+    own: type[_Model],
+    model: type[BaseModel],
+    absent: str,
+    defaults: Mapping[str, Any] | None = None,
+    without: Container[str] = (),
 ) -> type[_Model]:
     """A command's own arguments, and every described field of a model as an option that may be left out.
 
@@ -52,11 +56,12 @@ def overriding(
         model: what the options override.
         absent: what the help calls a value that the model has no default for.
         defaults: what the help shows instead of the model's own defaults.
+        without: fields that are no options here.
     """
     fields: dict[str, Any] = {}
     for name, field in model.model_fields.items():
         described = about(field)
-        if described is not None:
+        if described is not None and name not in without:
             shown = _shown((defaults or {}).get(name, field.default))
             entry = replace(described, absent=described.absent or shown or absent)
             rules = [rule for rule in field.metadata if rule is not described]

@@ -86,6 +86,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("plot",): Command("gaitsmith.cli.show", "plot", "figures of a run, PNG and SVG"),
     ("video",): Command("gaitsmith.cli.show", "video", "a run as a film"),
     ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
+    ("live",): Command("gaitsmith.cli.live", "live", "a page to watch and steer a walk, or to replay a recorded run"),
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
     ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),

@@ -1,0 +1,152 @@
+"""A recorded run as frames: what its log holds, row by row, and what its folder says besides."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.documents import parse_json
+from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded
+from gaitsmith.live.frame import Frame
+from gaitsmith.log import read_log
+from gaitsmith.robots import load_robot
+from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, SUMMARY
+
+Array = npt.NDArray[np.float64]
+_LARGEST = 16_000_000  # bytes of a summary
+
+
+class Run:
+    """A run that was recorded.
+
+    Args:
+        path: its folder, or its log.
+
+    Attributes:
+        path: of the log.
+        log: as far as it is whole.
+        robot: that walked.
+        scenario: fields of what was run.
+        fall: time (s), phase and reason; None if the summary tells of none.
+        notes: what a viewer should know, in words.
+        frame: the present row.
+
+    Raises:
+        BadInput: no such run, no log of a run, one from a newer version, or its robot cannot be loaded.
+    """
+
+    def __init__(self, path: str) -> None:
+        given = Path(path)
+        self.path = given / LOG if given.is_dir() else given
+        self.log = log = read_log(self.path, last=FIGURE_ROWS)
+        self.scenario: dict[str, Any] = log.notes.get("scenario") or {}
+        if not isinstance(self.scenario, dict) or not isinstance(self.scenario.get("robot"), str):
+            raise BadInput(str(self.path), "notes without a scenario", "the log of a run of gaitsmith walk")
+        if len(log.rows) < 2:
+            raise BadInput(str(self.path), f"{len(log.rows)} rows", "a run with at least two", "record it again")
+        self.robot = load_robot(self.scenario["robot"])
+        self.notes: list[str] = []
+        if not log.complete:
+            self.notes.append(f"The log was cut: whole up to {log.time[-1]:.2f} s (gaitsmith log check mends it).")
+        if log.notes.get("robot_hash") not in (None, self.robot.content_hash):
+            self.notes.append("The robot's files have changed since the run.")
+        if log.dropped:
+            self.notes.append(f"{log.dropped} rows are missing.")
+        self.fall = self._read_fall()
+        self.prefix = "true." if "true.torso_yaw" in log.columns else "believed."
+        names = ["true." + n.removeprefix("believed.") if self.prefix == "believed." else n for n in log.columns]
+        self.frame = Frame(names, self.robot.model.nq, 0)
+        self._data = mujoco.MjData(self.robot.model)
+        self._check_columns()
+        self.pushes = self._find_pushes()
+
+    def _check_columns(self) -> None:
+        """Refuse a log that lacks what is shown."""
+        joints = [f"joint_position.{name}" for name in self.robot.joint_names]
+        for name in (*joints, "true.torso_x", "true.torso_roll", "stance", "step_count", "torque." + joints[0][15:]):
+            if name not in self.frame:
+                raise BadInput(str(self.path), f"a log without {name}", "the log of a run of gaitsmith walk")
+
+    def _read_fall(self) -> dict[str, Any] | None:
+        """What the summary says of a fall."""
+        summary = self.path.parent / SUMMARY
+        if self.path.name != LOG or not summary.exists():
+            self.notes.append("There is no summary: a fall is not marked (gaitsmith log check writes one).")
+            return None
+        try:
+            fall = parse_json(read_bounded(summary, _LARGEST))["fall"]
+            if fall is None:
+                return None
+            return {"time": float(fall["time"]), "phase": str(fall["phase"]), "reason": str(fall["reason"])}
+        except (BadInput, KeyError, TypeError, ValueError, RecursionError):
+            self.notes.append("The summary cannot be read.")
+            return None
+
+    def _find_pushes(self) -> list[tuple[float, float, Array]]:
+        """Begin and end (s), and force (3,) in N, world axes, of every push; NaN where nobody has written it down."""
+        planned, found, began = self.scenario.get("pushes") or [], list[tuple[float, float, Array]](), dict[int, Any]()
+        for event in self.log.events:
+            if "push" not in event:
+                continue
+            number = int(event["push"])
+            if not event.get("over"):
+                began[number] = event
+            elif number in began:
+                start = began.pop(number)
+                given = planned[number] if number < len(planned) else start
+                length = max(event["time"] - start["time"], 1e-3)
+                force = given.get("force") or np.array(given.get("impulse", [math.nan] * 3)) / length
+                found.append((float(start["time"]), float(event["time"]), np.array(force, dtype=float)))
+        end = float(self.log.time[-1])
+        return found + [(float(event["time"]), end, np.full(3, math.nan)) for event in began.values()]
+
+    def row(self, time: float) -> int:
+        """Number of the row at a time, s."""
+        return int(np.clip(np.searchsorted(self.log.time, time, side="right") - 1, 0, len(self.log.rows) - 1))
+
+    def rows(self, first: int, last: int) -> Array:
+        """(n, m) frames of some rows, without position, forces and pushes: what charts need."""
+        found = np.zeros((max(last - first, 0), len(self.frame.row)))
+        vitals = len(self.frame.vitals)
+        found[:, vitals : vitals + len(self.log.columns)] = self.log.rows[first:last]
+        found[:, self.frame.index("live.time")] = self.log.time[first:last]
+        return found
+
+    def show(self, number: int) -> Frame:
+        """The frame of a row."""
+        frame, robot, data = self.frame, self.robot, self._data
+        frame.row[:] = self.rows(number, number + 1)[0]
+        frame.q[:3] = [frame[f"true.torso_{axis}"] for axis in "xyz"]
+        frame.q[3:7] = _quaternion(*(frame[f"true.torso_{axis}"] for axis in ("roll", "pitch", "yaw")))
+        first = frame.index("joint_position." + robot.joint_names[0])
+        frame.q[7:] = frame.row[first : first + len(robot.joint_names)]
+        data.qpos[:] = frame.q
+        mujoco.mj_kinematics(robot.model, data)
+        mujoco.mj_comPos(robot.model, data)
+        frame.com[:] = data.subtree_com[robot.torso_body]
+        yaw = frame["true.torso_yaw"]
+        for row, leg in enumerate(robot.legs):
+            x, y = frame[f"zmp.{leg.name}.x"], frame[f"zmp.{leg.name}.y"]
+            place = [frame[f"true.{leg.name}_sole_{axis}"] for axis in "xyz"]
+            place[0] += math.cos(yaw) * x - math.sin(yaw) * y
+            place[1] += math.sin(yaw) * x + math.cos(yaw) * y
+            frame.contacts[row] = (*place, 0.0, 0.0, frame[f"true.{leg.name}_force"])
+        now = frame["live.time"]
+        forces = [force for begin, end, force in self.pushes if begin <= now <= end and np.isfinite(force).all()]
+        frame.push[:] = np.sum(forces, axis=0) if forces else 0.0
+        return frame
+
+
+def _quaternion(roll: float, pitch: float, yaw: float) -> Array:
+    """Quaternion w x y z of a turn by yaw, pitch, roll about moving axes."""
+    found, step = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(4)
+    for axis, angle in (((0.0, 0.0, 1.0), yaw), ((0.0, 1.0, 0.0), pitch), ((1.0, 0.0, 0.0), roll)):
+        mujoco.mju_axisAngle2Quat(step, np.array(axis), angle)
+        mujoco.mju_mulQuat(found, found.copy(), step)
+    return found
