@@ -47,7 +47,8 @@ class Recording:
         simulation, self.trouble = self._simulation, ""
         folder = _unused(self._parent / time.strftime("live-%Y%m%d-%H%M%S"))
         gait = simulation.controller.gait
-        scenario = simulation.scenario.model_copy(update={} if simulation.plan else gait.model_dump())
+        update = {} if simulation.plan else {**gait.model_dump(), "rest_before": 0.0}
+        self._scenario = scenario = simulation.scenario.model_copy(update=update)
         notes = {
             "scenario": scenario.model_dump(mode="json"),
             "robot": simulation.robot.card.name,
@@ -75,6 +76,9 @@ class Recording:
             return
         self.done, self.folder = self.folder, None
         try:
+            length = max(self._simulation.time - self._began, self._simulation.plant.control_step)
+            scenario = self._scenario.model_copy(update={"duration": length})
+            write_text_atomic(self.done / "scenario.toml", scenario_toml(scenario))
             if self._simulation.loop.over:
                 self._recorder.observe(0)  # the last tick, whatever its number: the fall
             self._recorder.close()

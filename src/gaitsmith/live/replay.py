@@ -58,7 +58,7 @@ class Replay:
         self._status = gui.add_html("")
         self._add_player()
         self._scene = Scene(self._server, run.robot, 0)
-        self._scene.set_ground(str(run.scenario.get("terrain", "flat")), int(run.scenario.get("seed", 0)), REGION)
+        self._scene.set_ground(run.scenario.terrain, run.scenario.seed, REGION)
         add_overlay_switches(self._server, self._scene)
         self._history = History(run.robot, _CHARTED, 0.02)
         charts = gui.add_panel()
@@ -151,10 +151,10 @@ class Replay:
     def _state(self) -> str:
         """What is shown, as HTML."""
         run, frame, dark = self._run, self._run.frame, "#2b323b"
-        fallen = run.fall is not None and self.at >= run.fall["time"] - 1e-6
+        fallen = run.fall is not None and self.at >= run.fall.time - 1e-6
         title, colour = ("Playing", "#3caf5a") if self.playing else ("Paused", "#eba614")
         if fallen and run.fall is not None:
-            title, colour = f"Fell at {run.fall['time']:.2f} s", "#d62828"
+            title, colour = f"Fell at {run.fall.time:.2f} s", "#d62828"
         mean = self._history.rows[-1, 3] if len(self._history.rows) else 0.0
         tiles = [
             ("time", f"{self.at:.2f} s", dark),
@@ -166,7 +166,7 @@ class Replay:
         ]
         words = " ".join(run.notes)
         if run.fall is not None and (fallen or not self.playing):
-            words = f"{run.fall['reason']} ({run.fall['phase']}). {words}"
+            words = f"{run.fall.reason} ({run.fall.phase}). {words}"
         return banner(title, colour, tiles, words)
 
     def run(self, look: Callable[[], None] = lambda: None) -> None:

@@ -3,37 +3,32 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.documents import parse_json
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded
 from gaitsmith.live.frame import Frame
-from gaitsmith.log import read_log
-from gaitsmith.robots import load_robot
-from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, SUMMARY
+from gaitsmith.reports.run import open_run
+from gaitsmith.simulation.run_folder import LOG
 
 Array = npt.NDArray[np.float64]
-_LARGEST = 16_000_000  # bytes of a summary
 
 
 class Run:
     """A run that was recorded.
 
     Args:
-        path: its folder, or its log.
+        path: its folder.
 
     Attributes:
         path: of the log.
         log: as far as it is whole.
         robot: that walked.
-        scenario: fields of what was run.
-        fall: time (s), phase and reason; None if the summary tells of none.
+        scenario: what was run.
+        fall: None without one.
         notes: what a viewer should know, in words.
         frame: the present row.
 
@@ -42,25 +37,11 @@ class Run:
     """
 
     def __init__(self, path: str) -> None:
-        given = Path(path)
-        self.path = given / LOG if given.is_dir() else given
-        self.log = log = read_log(self.path, last=FIGURE_ROWS)
-        self.scenario: dict[str, Any] = log.notes.get("scenario") or {}
-        if not isinstance(self.scenario, dict) or not isinstance(self.scenario.get("robot"), str):
-            raise BadInput(str(self.path), "notes without a scenario", "the log of a run of gaitsmith walk")
-        if len(log.rows) < 2:
-            raise BadInput(str(self.path), f"{len(log.rows)} rows", "a run with at least two", "record it again")
-        self.robot = load_robot(self.scenario["robot"])
-        self.notes: list[str] = []
-        if not log.complete:
-            self.notes.append(f"The log was cut: whole up to {log.time[-1]:.2f} s (gaitsmith log check mends it).")
-        if log.notes.get("robot_hash") not in (None, self.robot.content_hash):
-            self.notes.append("The robot's files have changed since the run.")
-        if log.dropped:
-            self.notes.append(f"{log.dropped} rows are missing.")
-        self.fall = self._read_fall()
-        self.prefix = "true." if "true.torso_yaw" in log.columns else "believed."
-        names = ["true." + n.removeprefix("believed.") if self.prefix == "believed." else n for n in log.columns]
+        run = open_run(path)
+        self.path, self.log, self.robot, self.scenario = run.folder / LOG, run.log, run.robot, run.scenario
+        self.fall, self.notes = run.summary.fall, run.notes
+        believes = "true.torso_yaw" not in self.log.columns
+        names = ["true." + n.removeprefix("believed.") if believes else n for n in self.log.columns]
         self.frame = Frame(names, self.robot.model.nq, 0)
         self._data = mujoco.MjData(self.robot.model)
         self._check_columns()
@@ -73,24 +54,10 @@ class Run:
             if name not in self.frame:
                 raise BadInput(str(self.path), f"a log without {name}", "the log of a run of gaitsmith walk")
 
-    def _read_fall(self) -> dict[str, Any] | None:
-        """What the summary says of a fall."""
-        summary = self.path.parent / SUMMARY
-        if self.path.name != LOG or not summary.exists():
-            self.notes.append("There is no summary: a fall is not marked (gaitsmith log check writes one).")
-            return None
-        try:
-            fall = parse_json(read_bounded(summary, _LARGEST))["fall"]
-            if fall is None:
-                return None
-            return {"time": float(fall["time"]), "phase": str(fall["phase"]), "reason": str(fall["reason"])}
-        except (BadInput, KeyError, TypeError, ValueError, RecursionError):
-            self.notes.append("The summary cannot be read.")
-            return None
-
     def _find_pushes(self) -> list[tuple[float, float, Array]]:
         """Begin and end (s), and force (3,) in N, world axes, of every push; NaN where nobody has written it down."""
-        planned, found, began = self.scenario.get("pushes") or [], list[tuple[float, float, Array]](), dict[int, Any]()
+        planned = [push.model_dump() for push in self.scenario.pushes]
+        found, began = list[tuple[float, float, Array]](), dict[int, Any]()
         for event in self.log.events:
             if "push" not in event:
                 continue

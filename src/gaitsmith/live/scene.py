@@ -304,7 +304,7 @@ class Scene:
         )
 
 
-def _place(handle: Any, points: Array | None) -> None:
+def _place(handle: Any, points: npt.NDArray[Any] | None) -> None:
     """Where lines or arrows are, (n, 2, 3); None hides them."""
     if points is not None:
         handle.points = points.astype(np.float32)
