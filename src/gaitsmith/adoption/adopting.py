@@ -28,7 +28,7 @@ from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.experiments.store import Store
 from gaitsmith.files import why_unwritable, write_bytes_atomic, write_text_atomic
 from gaitsmith.robots import Robot, load_robot
-from gaitsmith.robots.model_file import ModelFile, open_model
+from gaitsmith.robots.model_file import ModelFile, listed, open_model
 from gaitsmith.view.canvas import save
 from gaitsmith.view.portrait import draw_portrait
 
@@ -281,7 +281,7 @@ def _assumed(robot: Robot, found: ModelFile) -> list[Entry]:
         silent_joints = [name for name in robot.joint_names if getattr(found.limits[name], kind) is None]
         values = {_short(getattr(robot.card.limits[name], kind)) for name in silent_joints}
         if silent_joints:
-            names = "every joint" if len(silent_joints) == len(robot.joint_names) else ", ".join(silent_joints)
+            names = "every joint" if len(silent_joints) == len(robot.joint_names) else listed(silent_joints)
             shown = min(values) if len(values) == 1 else sorted(values)
             entries.append(Entry(f"limits.*.{kind}", shown, f"a robot of this size; the model gives none for {names}"))
     for name, value in robot.card.gait.model_dump(mode="json").items():

@@ -18,6 +18,7 @@ from gaitsmith.simulation import Scenario, Summary
 _SHORT = 6.0  # s of a walk that is tried
 _OFF, _SHARE = 0.02, 0.15  # m/s, or share of the command: error of a mean speed with which it still walks
 _TURNING = 0.1  # rad/s of error in the yaw rate
+_STRAYING = 0.02  # rad/s of a heading that should stay
 _ROUNDS = 2  # of bisection
 _PUSH, _FINE = 0.06, 0.02  # first impulse and resolution, of mass times √(gH)
 _DIRECTIONS, _PHASES = 4, 2
@@ -107,7 +108,8 @@ def walks(summary: Summary) -> bool:
         return False
     stage = [stage for stage in summary.stages if not stage.rest][-1]
     speed = math.hypot(stage.command.vx, stage.command.vy)
-    turning = abs(stage.yaw_rate_error) <= max(_TURNING, 0.5 * abs(stage.command.yaw_rate))
+    wanted = abs(stage.command.yaw_rate)
+    turning = abs(stage.yaw_rate_error) <= (max(_TURNING, 0.5 * wanted) if wanted else _STRAYING)
     return errors(summary)[0] <= max(_OFF, _SHARE * speed) and turning
 
 

@@ -15,6 +15,7 @@ from gaitsmith.experiments.options import Jobs
 if TYPE_CHECKING:
     from gaitsmith.adoption.adopting import Adoption
 
+_UNITS = {"speed_x": "m/s", "speed_y": "m/s", "yaw_rate": "rad/s", "height": "m", "period": "s"}
 _Metres = Annotated[float, Field(gt=0.0, le=2.0)]
 
 
@@ -86,25 +87,55 @@ def _lines(adoption: Adoption, document: dict[str, Any]) -> Iterator[Text]:
     for leg in document["legs"]:
         pairs = zip(leg["joints"], leg["roles"], strict=True)
         yield f"{leg['name']} leg: {', '.join(f'{name} ({role})' for name, role in pairs)}"
-    yield from (f"assumed: {entry['entry']} = {entry['value']}: {entry['from']}" for entry in document["assumed"])
-    yield from (f"note: {note}" for note in document["notes"])
     for asked in document["asked"]:
         yield f"not written: {adoption.reason}"
         yield f"candidates of {asked['flag']}: {' | '.join(asked['candidates']) or 'none, see --help'}"
+    if adoption.card is None:
+        return
+    for leg in ("left", "right"):
+        sole = next(
+            entry["value"] for entry in document["inferred"] if entry["entry"] == f"legs[{leg == 'right':d}].sole"
+        )
+        yield f"{leg} sole: {_sole(sole)}"
+    yield from _assumed(document["assumed"])
+    yield from (f"note: {note}" for note in document["notes"])
     yield from (test.line() for test in adoption.tests)
     if document["search"]["rollouts"]:
         yield f"search: {document['search']['rollouts']} candidates, {document['search']['seconds']:g} s"
+    if rows := _rows(document["sheet"] or {}):
+        yield Table(("walked", "from", "to"), rows)
     if document["sheet"]:
-        yield Table(("walked", "from", "to"), _rows(document["sheet"]))
-    if adoption.card is not None:
-        yield f"written: {adoption.card}"
-        yield document["advice"]
+        torque, velocity = document["sheet"]["torque_reserve"], document["sheet"]["velocity_reserve"]
+        yield f"left of the legs' limits at 0.1 m/s: {torque:.0%} of torque, {velocity:.0%} of velocity"
+    yield f"written: {adoption.card.parent} (card.toml, the model's files, robot.png: look at it)"
+    yield document["advice"]
+
+
+def _sole(sole: dict[str, Any]) -> str:
+    """Kind and size."""
+    kind, half = sole["kind"], sole.get("half_width", 0.0)
+    heel, toe = sole.get("heel", 0.0), sole.get("toe", 0.0)
+    if points := sole.get("points"):
+        kind, half = f"polygon of {len(points)} corners", max(abs(y) for _, y in points)
+        heel, toe = -min(x for x, _ in points), max(x for x, _ in points)
+    width = f", {200.0 * half:.3g} cm wide" if half else ""
+    return f"{kind}, {100.0 * heel:.3g} cm behind and {100.0 * toe:.3g} cm ahead of the ankle{width}"
+
+
+def _assumed(entries: list[dict[str, Any]]) -> Iterator[str]:
+    """The gait in one line, other entries in one each."""
+    gait = [entry for entry in entries if entry["entry"].startswith("gait.")]
+    yield from (f"assumed: {e['entry']} = {e['value']}: {e['from']}" for e in entries if e not in gait)
+    if gait:
+        words = ", ".join(f"{entry['entry'].removeprefix('gait.')} {entry['value']}" for entry in gait)
+        yield f"assumed, as for a robot of this size: gait with {words}"
 
 
 def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:
-    rows = [(key, *(f"{v:g}" for v in value)) for key, value in sheet.items() if isinstance(value, list)]
-    rows += [(f"push {key}, N·s", "", f"{value:g}") for key, value in sheet.get("push", {}).items()]
-    return rows + [(key, "", f"{value:g}") for key, value in sheet.items() if isinstance(value, float)]
+    rows = [
+        (f"{key}, {_UNITS.get(key, '')}", *(f"{v:g}" for v in v2)) for key, v2 in sheet.items() if isinstance(v2, list)
+    ]
+    return rows + [(f"push {key}, N·s", "", f"{value:g}") for key, value in sheet.get("push", {}).items()]
 
 
 def _advice(adoption: Adoption) -> str:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
 
+_UNITS = {"speed_x": "m/s", "speed_y": "m/s", "period": "s", "alpha": "", "height": "m", "lift": "m", "width": "m"}
+_UNITS |= {"yaw_rate": "rad/s"}
+
+
 class ListArguments(Arguments):
     """List the robots that come with the package."""
 
@@ -89,9 +93,10 @@ def check(words: list[str], program: str) -> Outcome:
         "notes": list(robot.notes),
         "tests": {test.name: test.document() for test in tests},
     }
+    bent = [name for leg in robot.legs for name in leg.joints if abs(angles[name]) > 5e-4]
     text = [
         f"{robot.card.name}: card and model fit; {robot.mass:.3f} kg, {len(robot.joint_names)} joints",
-        f"stands at {gait.height:g} m with {', '.join(f'{name} {value:+.3f}' for name, value in angles.items())}",
+        f"stands with its hips at {gait.height:.4g} m: {', '.join(f'{name} {angles[name]:+.3f}' for name in bent)}",
         *(f"note: {note}" for note in robot.notes),
         *(test.line() for test in tests),
     ]
@@ -108,19 +113,32 @@ def _tested(robot: Robot, name: str) -> tuple[Test, ...]:
 
 
 def _lines(robot: Robot, document: dict[str, Any]) -> Iterator[Text]:
-    """Legs, limits and assumptions."""
-    yield f"{robot.card.name}: {robot.card.description}"
-    yield f"{robot.mass:.3f} kg, {document['model_path']}"
+    """Legs, gait, limits and assumptions."""
+    card, legs = robot.card, sum(len(leg.joints) for leg in robot.legs)
+    yield f"{card.name}: {card.description or 'a biped'}"
+    yield f"{robot.mass:.3f} kg, {len(robot.joint_names)} joints, {legs} of them in the legs; torso {card.torso}"
+    yield f"model: {document['model_path']}"
     for leg in robot.legs:
         sole = leg.sole
         size = f"heel {sole.heel:g} m, toe {sole.toe:g} m" + (f", ±{sole.half_width:g} m" if sole.half_width else "")
         yield f"{leg.name} leg: {', '.join(leg.joints)}; {sole.kind} sole {leg.sole_site}, {size}"
     rows = [
-        (name, *(f"{value:g}" for value in (*limit["position"], limit["velocity"], limit["torque"])))
+        (name, *(f"{value:.4g}" for value in (*limit["position"], limit["velocity"], limit["torque"])))
         for name, limit in document["limits"].items()
     ]
     yield Table(("joint", "from", "to", "speed\nper s", "torque\nN·m"), rows)
+    yield Table(("gait", "default", "from", "to"), list(_gait(document)))
     yield f"presets: {', '.join(document['presets'])}"
-    for assumption in robot.card.assumptions:
+    for assumption in card.assumptions:
         yield f"assumed: {assumption.what}: {assumption.value} ({assumption.why})"
     yield from (f"note: {note}" for note in robot.notes)
+
+
+def _gait(document: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    """Inputs of a walk with their default and limits."""
+    gait = dict(zip(("speed_x", "speed_y"), document["gait"]["speed"], strict=True)) | document["gait"]
+    for name, (low, high) in document["gait_limits"].items():
+        yield (
+            f"{name}, {_UNITS[name]}" if _UNITS[name] else name,
+            *(f"{value:.4g}" for value in (gait[name], low, high)),
+        )

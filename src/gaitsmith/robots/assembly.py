@@ -37,7 +37,7 @@ def assemble(found: ModelFile, card: Described, label: str, notes: list[str]) ->
             if name not in names:
                 raise BadInput(f"{label}: legs[{index}].joints[{place}]", name, f"a joint: {listed(names)}")
     for leg in card.legs:
-        _sole_site(spec, leg, card, label, notes)
+        _sole_site(spec, leg, card, label)
     if card.imu_site is not None:
         site = spec.site(card.imu_site)
         if site is None or site.parent.name != card.torso:
@@ -95,7 +95,7 @@ def _root(spec: mujoco.MjSpec, card: Described, found: ModelFile, notes: list[st
         notes.append("added a free joint to the torso")
 
 
-def _sole_site(spec: mujoco.MjSpec, leg: LegCard, card: Described, label: str, notes: list[str]) -> None:
+def _sole_site(spec: mujoco.MjSpec, leg: LegCard, card: Described, label: str) -> None:
     field = f"{label}: legs[{card.legs.index(leg)}]"
     if leg.sole_site is not None:
         site = spec.site(leg.sole_site)
@@ -111,7 +111,6 @@ def _sole_site(spec: mujoco.MjSpec, leg: LegCard, card: Described, label: str, n
             f"{field}.sole_body", leg.sole_body, f"no site named {name} in the model", "name it as sole_site"
         )
     body.add_site(name=name, pos=leg.sole_position, quat=_quaternion(*leg.sole_rpy), size=[0.005] * 3)
-    notes.append(f"added the site {name}")
 
 
 def sole_frame(leg: LegCard) -> str:

@@ -151,12 +151,10 @@ def _limits(
         limits[name] = JointLimits(**values)
     for (entry, value), joints in assumed.items():
         shown = f"{value[0]:.4g} to {value[1]:.4g}" if isinstance(value, tuple) else f"{value:.4g}"
-        which = "every joint" if len(joints) == len(names) else ", ".join(joints)
+        which = "every joint" if len(joints) == len(names) else listed(joints)
         notes.append(f"assumed, the model gives none: {entry} limit {shown} of {which}")
     if wide:
-        notes.append(
-            f"torque limits above {PLACEHOLDER:g} m g times the leg's length, placeholders?: {', '.join(wide)}"
-        )
+        notes.append(f"torque limits above {PLACEHOLDER:g} m g times the leg's length, placeholders?: {listed(wide)}")
     return limits
 
 

@@ -26,6 +26,7 @@ MOVING = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 WIDTH = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}
 STOP = 0.02  # share of a joint's range nearer than which it rests on its stop
 URDF_TOLERANCE = 1e-9  # relative; the same numbers summed in another order
+SHOWN = 8  # names of a list
 LEVELS_ABOVE = 2  # of a bare model's folder, where its meshes may be
 
 
@@ -213,9 +214,10 @@ def unused(elements: Sequence[Any], wanted: str) -> str:
 
 
 def listed(names: Iterable[str]) -> str:
-    """At most a dozen names, in words."""
+    """The first names, in words, and how many follow."""
     shown = [name for name in names if name]
-    return ", ".join(shown[:12]) + (", ..." if len(shown) > 12 else "")
+    more = len(shown) - SHOWN
+    return ", ".join(shown if more <= 1 else [*shown[:SHOWN], f"{more} more"])
 
 
 def _parsed(source: ModelText, notes: list[str]) -> mujoco.MjSpec:
