@@ -37,7 +37,7 @@ def test_a_made_up_biped_is_adopted_and_walks(tmp_path: Path, made: MadeUp, caps
     document = json.loads(capsys.readouterr().out)
     assert set(document) == KEYS
     assert (code, [test["ok"] for test in document["tests"].values()]) == (0, [True] * 3), document["tests"]
-    assert sorted(path.name for path in out.iterdir()) == ["card.toml", "robot.png", "walker.xml"]
+    assert sorted(path.name for path in out.iterdir()) == ["card.toml", "robot.png", "robot.svg", "walker.xml"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["in", "out"]
     robot = load_robot(out)
     assert [list(leg.joints) for leg in robot.legs] == [leg["joints"] for leg in document["legs"]]
