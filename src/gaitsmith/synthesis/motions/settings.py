@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from gaitsmith.robots.parameters import Fraction, Parameters, Positive
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 LEG = 0.39  # m: of hips this high with straight legs the lengths are that are given as defaults; others in proportion
 _LENGTHS = ("zmp_margin", "squat", "foot_gap", "clearance")
 _NARROW = 0.45  # of half a sole's width, the largest default margin of the ZMP; the feet may use half of their gap
+_RATE = 1.73  # default torque rate in the robot's units of torque and time; 600 N·m/s of legs of LEG and 18 kg
+_FASTER = np.log2(3.0)
 _YAW = 0.2  # of a sole's length and width, the default lever of its yaw moment
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -40,6 +43,7 @@ class Bounds(Parameters):
         clearance: height that the swing sole reaches by the middle of its swing, m; it rises and falls smoothly.
         torque: share of the card's torque limits that may be used.
         velocity: share of the card's velocity limits that may be used.
+        torque_rate: largest change of a joint torque with time, N·m/s.
     """
 
     friction: Annotated[float, Field(gt=0.0, le=5.0)] = 0.6
@@ -56,6 +60,7 @@ class Bounds(Parameters):
     clearance: Length = 0.005
     torque: Share = 1.0
     velocity: Share = 1.0
+    torque_rate: Annotated[float, Field(gt=0.0, le=1e6)] = 600.0
 
 
 class Settings(Parameters):
@@ -78,8 +83,8 @@ class Settings(Parameters):
     order: Literal[4, 5] = 5
     bounds: Bounds = Bounds()
     wrench_weight: Positive = 0.003
-    rate_weight: Weight = 1e-3
-    acceleration_weight: Weight = 1e-4
+    rate_weight: Weight = 2e-4
+    acceleration_weight: Weight = 3e-5
     single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
     double_nodes: Annotated[int, Field(ge=3, le=20)] = 4
     refinements: Annotated[int, Field(ge=0, le=30)] = 12
@@ -87,10 +92,17 @@ class Settings(Parameters):
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=100_000)] = 1000
 
-    def sized(self, biped: Biped) -> Settings:
-        """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it."""
+    def sized(self, biped: Biped, period: float | None = None) -> Settings:
+        """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it.
+
+        Torques change fast in fast steps. Their largest rate goes through 200 and 600 N·m/s at the ``period`` of the
+        paper's two gaits, 1.0 and 0.5 s for legs of LEG; slower steps have that of the slow one, other motions the fast.
+        """
         size, given = biped.height / LEG, self.bounds.model_fields_set
         lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}
+        if "torque_rate" not in given:
+            faster = 1.0 if period is None else max(size**0.5 / period, 1.0) ** _FASTER / 3.0
+            lengths["torque_rate"] = faster * _RATE * biped.effort / biped.fall_time
         if "yaw_friction" not in given:
             sizes = [leg.sole.heel + leg.sole.toe + 2.0 * leg.sole.half_width for leg in biped.robot.legs]
             lengths["yaw_friction"] = _YAW * min(sizes)

@@ -12,6 +12,7 @@ import scipy.sparse as sp
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, wrench_rows
 from gaitsmith.synthesis.program.cones import cone_rows, is_cone
+from gaitsmith.synthesis.program.rates import is_rate, rate_form, rate_label
 from gaitsmith.synthesis.program.rows import Label, Rows, bound_label
 from gaitsmith.synthesis.program.smoothness import torque_rates
 from gaitsmith.synthesis.program.transcription import Points, Transcription
@@ -129,6 +130,12 @@ def make_program(
     times = np.array([item.time for item in imposed])
     shares = trans.share(np.array([item.phase for item in imposed], dtype=np.int64), times).tolist()
     for item, share in zip(imposed, shares, strict=True):
+        if is_rate(trans, item.phase, item.bound):
+            label = rate_label(trans, item.phase, item.bound, item.time)
+            form = rate_form(trans, points, item.phase, item.bound, item.time)
+            most = 0.5 - item.tighten
+            rows.add(label, -most, most, {index: value / label.span for index, value in form.items()})
+            continue
         bound = trans.bounds[item.phase][item.bound]
         rows.add_bound(
             bound,

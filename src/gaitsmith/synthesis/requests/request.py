@@ -155,11 +155,11 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
     step, periods = request.step, []
-    cycle = run(cyclic(biped, step), settings)
+    cycle = run(cyclic(biped, step), request.settings.sized(biped, step.period))
     while request.faster and cycle.gait is None and _FASTER * step.period > _FASTEST * biped.fall_time:
         periods.append(step.period)
         step = replace(step, period=_FASTER * step.period, length=_FASTER * step.length)
-        cycle = run(cyclic(biped, step), settings)
+        cycle = run(cyclic(biped, step), request.settings.sized(biped, step.period))
     return replace(_ends(planner, replace(request, step=step), run, results, cycle, rest), periods=tuple(periods))
 
 
@@ -172,7 +172,7 @@ def _ends(
     rest: Array,
 ) -> Answer:
     """What a request wants beside the cyclic gait: a start, a stop, or both."""
-    biped, settings = planner.biped, request.settings.sized(planner.biped)
+    biped, settings = planner.biped, request.settings.sized(planner.biped, request.step.period)
     if request.kind == "cyclic" or cycle.gait is None:
         return Answer(results, cycle.gait)
     q, v, a = cycle.gait.joints(0, np.array([0.0]))

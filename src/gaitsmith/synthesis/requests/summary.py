@@ -14,6 +14,7 @@ from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, verify
 from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
+_INSTANTS = 40  # a section
 
 
 def peak_torques(gait: Gait) -> dict[str, float]:
@@ -24,6 +25,15 @@ def peak_torques(gait: Gait) -> dict[str, float]:
         times = np.linspace(borders[phase], borders[phase + 1], _SAMPLES)
         peaks = np.maximum(peaks, np.abs(gait.torques(phase, times)).max(axis=1))
     return dict(zip(gait.joint_names, peaks.tolist(), strict=True))
+
+
+def largest_torque_rate(gait: Gait) -> float:
+    """Largest |dτ/dt| of any joint, N·m/s, from the derivatives of the torques' series."""
+    share, largest = np.linspace(-1.0, 1.0, _INSTANTS), 0.0
+    for piece in (piece for group in gait.pieces for piece in group):
+        slope = np.polynomial.chebyshev.chebder(piece.torque.T) * (2.0 / piece.duration)
+        largest = max(largest, float(np.abs(np.polynomial.chebyshev.chebval(share, slope)).max()))
+    return largest
 
 
 def single_support_margin(gait: Gait, biped: Biped) -> float:
@@ -69,6 +79,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "max_torque": None if gait is None else peak_torques(gait),
         "zmp_margin_mm": None if gait is None else 1e3 * single_support_margin(gait, biped),
         "torque_jump": jump,
+        "torque_rate_max": None if gait is None else largest_torque_rate(gait),
         "warnings": warnings,
         "worst": worst,
         "solves": {

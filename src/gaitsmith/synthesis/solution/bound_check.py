@@ -12,6 +12,7 @@ from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
+from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 from gaitsmith.synthesis.solution.curves_from_solution import LocalPiece, local_inputs, phase_pieces
 
@@ -158,7 +159,8 @@ def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: 
 def with_times(trans: Transcription, points: Points, imposed: list[ImposedBound]) -> Points:
     """Points with those instants of the imposed bounds added that they lack."""
     have = points.places()
-    lacking = {(item.phase, round(item.time, 9)): item.time for item in imposed}
+    real = [item for item in imposed if not is_rate(trans, item.phase, item.bound)]
+    lacking = {(item.phase, round(item.time, 9)): item.time for item in real}
     added = {key: time for key, time in lacking.items() if key not in have}
     phases = np.array([phase for phase, _ in added], dtype=np.int64)
     more = trans.instants(phases, np.array(list(added.values()), dtype=np.float64))

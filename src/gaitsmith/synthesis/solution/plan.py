@@ -36,6 +36,7 @@ from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
 from gaitsmith.synthesis.solution.geometry import out_of_reach
 from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
+from gaitsmith.synthesis.solution.rate_check import too_fast, torque_rates_of, with_fast
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
 Array = npt.NDArray[np.float64]
@@ -199,8 +200,9 @@ class Planner:
                 continue
             clock = time.perf_counter()
             checks = check_bounds(trans, self.functions, x, settings.dense)
+            rates = torque_rates_of(trans, self.functions, x, checks)
             times["check"] += time.perf_counter() - clock
-            if worst_violation(checks) <= _ENOUGH and settled:
+            if worst_violation(checks) <= _ENOUGH and settled and not too_fast(trans, rates):
                 break
             if result.rounds >= settings.refinements:
                 worst = certificate(trans, checks)
@@ -208,7 +210,7 @@ class Planner:
                 text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
                 text += f", after {result.rounds} refinements"
                 return replace(result, status="not certified", reason=text, worst=worst)
-            imposed, settled = with_violated(trans, checks, imposed, _AIM), True
+            imposed, settled = with_fast(trans, rates, with_violated(trans, checks, imposed, _AIM)), True
             result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)

@@ -1,0 +1,43 @@
+"""Bounds on torque rates: |dτ/dt| of every joint, imposed at the instants where a solution exceeds it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gaitsmith.synthesis.program.bounds import Form, Kind
+from gaitsmith.synthesis.program.rows import Label
+from gaitsmith.synthesis.program.transcription import Points, Transcription
+
+UNIT = "N·m/s"
+
+
+def is_rate(trans: Transcription, phase: int, bound: int) -> bool:
+    """Whether an imposed bound is that of a rate: these count on from the phase's others, in local order of joints."""
+    return bound >= len(trans.bounds[phase])
+
+
+def rate_name(trans: Transcription, phase: int, local: int) -> str:
+    """What the rate of a joint, in a phase's local order, is called."""
+    biped = trans.biped
+    joint = biped.partner[local] if trans.motion.phases[phase].side < 0 else local
+    return f"{biped.names[int(joint)]} torque rate"
+
+
+def rate_label(trans: Transcription, phase: int, bound: int, time: float) -> Label:
+    """What the row of a rate's bound says."""
+    name = rate_name(trans, phase, bound - len(trans.bounds[phase]))
+    return Label(name, UNIT, phase, time, 2.0 * trans.settings.bounds.torque_rate, kind=Kind.TORQUE)
+
+
+def rate_form(trans: Transcription, points: Points, phase: int, bound: int, time: float) -> Form:
+    """The rate at a time, from the torques at the points of the section around it."""
+    local, layout, where = bound - len(trans.bounds[phase]), trans.layout, points.places()
+    section = int(trans.instants(phase, np.array([time])).section[0])
+    nodes = trans.nodes(phase, section)
+    powers = np.arange(len(nodes))
+    span = nodes[-1] - nodes[0]
+    slope = powers[1:] * ((time - nodes[0]) / span) ** powers[:-1] / span
+    weights = np.linalg.solve(np.vander((nodes - nodes[0]) / span, increasing=True).T, np.append(0.0, slope))
+    places = [where[phase, round(float(t), 9)] for t in nodes]
+    first = layout.torque + local
+    return {k * layout.outputs + first: float(w) for k, w in zip(places, weights, strict=True)}

@@ -1,0 +1,87 @@
+"""Torque rates of the curves as they will be stored: where they exceed their bound, and what to impose there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gaitsmith.splines.polynomial import chebyshev_fit
+from gaitsmith.synthesis.point.functions import PointFunctions
+from gaitsmith.synthesis.program.program import ImposedBound
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.bound_check import BoundCheck
+from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
+
+Array = npt.NDArray[np.float64]
+_SAMPLES = 12  # Chebyshev nodes a piece
+_FINE = 16  # instants a piece at which a rate is looked at
+_MARGIN = 0.01  # of the bound: what lies between these instants
+_TIGHTEST = 0.35  # of a span
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """Torque rates of one phase: times (N,), s, and rates (n, N), N·m/s, joints in local order."""
+
+    times: Array
+    values: Array
+
+
+def torque_rates_of(trans: Transcription, functions: PointFunctions, x: Array, checks: list[BoundCheck]) -> list[Rates]:
+    """The derivatives of the torques' series, phase by phase."""
+    n, found = trans.biped.joints, []
+    nodes, to_series = chebyshev_fit(_SAMPLES)
+    share = np.linspace(0.0, 1.0, _FINE)
+    for phase, item in enumerate(checks):
+        parts = [local_inputs(trans, x, phase, [piece], piece[0] + piece[1] * nodes) for piece in item.pieces]
+        z = np.hstack(parts)
+        side = trans.motion.phases[phase].side
+        o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), side)
+        times, values = [], []
+        for (start, span, _), torque in zip(item.pieces, np.split(o[:n], len(parts), axis=1), strict=True):
+            slope = np.polynomial.chebyshev.chebder((torque @ to_series).T) * (2.0 / span)
+            times.append(start + span * share)
+            values.append(np.polynomial.chebyshev.chebval(2.0 * share - 1.0, slope))
+        found.append(Rates(np.concatenate(times), np.hstack(values)))
+    return found
+
+
+def largest_rate(rates: list[Rates]) -> float:
+    """Of any joint, N·m/s."""
+    return float(max(np.abs(item.values).max() for item in rates))
+
+
+def too_fast(trans: Transcription, rates: list[Rates]) -> bool:
+    """Whether any rate exceeds its bound."""
+    return largest_rate(rates) > trans.settings.bounds.torque_rate
+
+
+def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBound]) -> list[ImposedBound]:
+    """The imposed bounds, with each joint's largest excess in every section added or tightened."""
+    most = trans.settings.bounds.torque_rate
+    found = list(imposed)
+    for phase, item in enumerate(rates):
+        sections = trans.instants(phase, item.times).section
+        for section in range(
+            trans.first_section[phase], trans.first_section[phase] + trans.motion.phases[phase].sections
+        ):
+            inside = np.flatnonzero(sections == section)
+            sizes = np.abs(item.values[:, inside])
+            for local in np.flatnonzero(sizes.max(axis=1) > most).tolist():
+                k = int(np.argmax(sizes[local]))
+                bound, time = len(trans.bounds[phase]) + local, float(item.times[inside[k]])
+                excess = 0.5 * (float(sizes[local, k]) / most - 1.0) + _MARGIN
+                near = [
+                    index
+                    for index, old in enumerate(found)
+                    if (old.phase, old.bound) == (phase, bound)
+                    and abs(old.time - time) < 0.15 * float(np.diff(trans.spline.knots)[section])
+                ]
+                if near:
+                    old = found[near[0]]
+                    found[near[0]] = ImposedBound(phase, bound, old.time, min(old.tighten + excess, _TIGHTEST))
+                else:
+                    found.append(ImposedBound(phase, bound, time, 0.5 * _MARGIN))
+    return found
