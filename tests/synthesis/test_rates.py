@@ -1,0 +1,48 @@
+"""Torque rates: measured on polynomials, kept within their bound in planned gaits, at little cost."""
+
+import numpy as np
+import pytest
+
+from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.program.rates import rate_form
+from gaitsmith.synthesis.program.smoothness import torque_rates
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.requests.summary import largest_torque_rate
+
+FREE = {"static": 114.2, "dynamic": 61.7}  # J without bound and weights
+DEARER = 1.05
+
+
+@pytest.fixture(scope="module")
+def trans(planner):
+    settings = Settings().sized(planner.biped, 1.0)
+    return Transcription(planner.biped, cyclic(planner.biped, StepParameters(0.15, 1.0)), settings)
+
+
+def _torques(trans, points, values):
+    o = np.zeros((points.count, trans.layout.outputs))
+    o[:, trans.layout.torque + 3] = values
+    return o.ravel()
+
+
+def test_the_rate_of_a_polynomial_is_its_derivative(trans):
+    points = trans.points()
+    o = _torques(trans, points, points.time**3 - 2.0 * points.time)
+    for phase in range(len(trans.motion.phases)):
+        time = float(trans.borders[phase] + 0.37 * trans.motion.phases[phase].duration)
+        form = rate_form(trans, points, phase, len(trans.bounds[phase]) + 3, time)
+        assert sum(weight * o[index] for index, weight in form.items()) == pytest.approx(3.0 * time**2 - 2.0)
+
+
+def test_the_weighed_rates_are_the_integral_of_their_square(trans):
+    points = trans.points()
+    rates = torque_rates(trans, points) @ _torques(trans, points, points.time**2)
+    assert rates @ rates == pytest.approx(4.0 / 3.0 * trans.borders[-1] ** 3)
+
+
+@pytest.mark.parametrize(("name", "most"), [("static", 200.0), ("dynamic", 600.0)])
+def test_the_papers_gaits_keep_their_torque_rates_at_little_cost(name, most, request):
+    found = request.getfixturevalue(name)
+    assert largest_torque_rate(found.gait) <= most
+    assert found.main.objective <= DEARER * FREE[name]
