@@ -11,7 +11,7 @@ STRANGERS := $(VENV)/.strangers
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: demo test strangers bench lint format lock clean setup
+.PHONY: demo test docs strangers bench lint format lock clean setup
 
 setup: $(READY)
 
@@ -39,6 +39,10 @@ demo: $(READY)
 
 test: $(TOOLS)
 	@$(BIN)/python -m pytest -q -n $(WORKERS)
+
+docs: $(TOOLS)
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
+	@echo "build/site/index.html"
 
 strangers: $(STRANGERS)
 	@$(BIN)/python -m pytest -q -m strangers
