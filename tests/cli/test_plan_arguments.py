@@ -24,6 +24,7 @@ VALUES = {
     "--zmp-margin": "0.01",
     "--friction": "0.5",
     "--max-iterations": "9",
+    "--free-times": "",
     "--ball": "0.04 0.07",
     "--kick-height": "0.05",
     "--x-max": "0.16",
@@ -31,7 +32,7 @@ VALUES = {
     "--out": "g.json",
     "--figures": "figures",
 }
-WALKS = {"--speed", "--step-length", "--period", "--step-height", "--double-support"}
+WALKS = {"--free-times", "--speed", "--step-length", "--period", "--step-height", "--double-support"}
 SOLVE = {"--order", "--zmp-margin", "--friction", "--max-iterations", "--out", "--figures"}
 MEANT = {
     **dict.fromkeys(("cyclic", "start", "stop"), WALKS | SOLVE),

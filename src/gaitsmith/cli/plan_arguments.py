@@ -23,6 +23,7 @@ _APPLIES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("speed", "order", "zmp_margin", "friction", "max_iterations"), _NAMED),
     **dict.fromkeys(("step_length", "period", "step_height", "double_support"), _WALKS),
     "cycles": ("walk",),
+    "free_times": _WALKS,
     "jobs": (SWEEP,),
     **dict.fromkeys(("ball", "kick_height", "x_max"), ("kick",)),
     **dict.fromkeys(("out", "figures", "free"), (*_NAMED, FILE)),
@@ -99,6 +100,9 @@ class PlanArguments(Arguments):
         Literal[4, 5] | None,
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=_SETTINGS["order"].default),
     ] = None
+    free_times: Annotated[
+        bool, About("Choose phase times and foot pitches, besides the torques, for the least J (about half a minute)")
+    ] = False
     cycles: Annotated[
         int | None,
         About("Steps of the cyclic gait in a walk", metavar="N", absent=f"{Request.cycles}, from 0 to {MOST_CYCLES}"),
@@ -143,7 +147,7 @@ def task_of(arguments: PlanArguments) -> str:
         task = FILE
     for name, tasks in _APPLIES.items():
         value = getattr(arguments, name)
-        if value not in (None, ()) and task not in tasks:
+        if value not in (None, (), False) and task not in tasks:
             raise BadInput(flag(name), value, f"nothing with {task}", f"for {', '.join(tasks)} only")
     return task
 
@@ -168,7 +172,7 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Reque
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
     step = StepParameters.sized(leg, length, period, **shape)
     faster = arguments.step_length is None and arguments.period is None
-    more = _given(cycles=arguments.cycles)
+    more = _given(cycles=arguments.cycles, free_times=arguments.free_times)
     return Request(task, step=step, settings=settings, faster=faster, **more)  # type: ignore[arg-type]
 
 

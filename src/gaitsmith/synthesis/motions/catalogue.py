@@ -29,6 +29,7 @@ class StepParameters:
         heel_share: share of the double support in which the front foot turns about its heel.
         toe_share: share of it in which the rear foot turns about its toe; both are flat in between.
         toe_off: q_b, pitch of the rear foot as it leaves the ground, rad.
+        swing_split: share of the swing until the foot is at its highest.
         heel_strike: q_f, pitch of the front foot as it meets the ground, rad, toe up.
         shift: duration of the weight shift before the first and after the last step, s.
     """
@@ -41,6 +42,7 @@ class StepParameters:
     toe_share: float = 0.30
     toe_off: float = 0.20
     heel_strike: float = 0.15
+    swing_split: float = 0.5
     shift: float = 0.6
 
     @classmethod
@@ -89,11 +91,12 @@ def _sections(biped: Biped, duration: float, double: bool) -> int:
 
 
 def _swing(biped: Biped, step: StepParameters, support: Side, foothold: Point) -> list[Phase]:
-    single = step.period * (1.0 - step.double_support) / 2
-    sections = _sections(biped, single, False)
+    single = step.period * (1.0 - step.double_support)
+    up, down = single * step.swing_split, single * (1.0 - step.swing_split)
+    sections = _sections(biped, 0.5 * single, False)
     return [
-        Phase("swing up", single, support, "air", foothold, sections=sections),
-        Phase("swing down", single, support, "air", foothold, sections=sections),
+        Phase("swing up", up, support, "air", foothold, sections=sections),
+        Phase("swing down", down, support, "air", foothold, sections=sections),
     ]
 
 

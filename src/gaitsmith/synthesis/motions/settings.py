@@ -96,7 +96,7 @@ class Settings(Parameters):
         """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it.
 
         Torques change fast in fast steps. Their largest rate goes through 200 and 600 N·m/s at the ``period`` of the
-        paper's two gaits, 1.0 and 0.5 s for legs of LEG; slower steps have the slow one's, other motions the fast one's.
+        paper's two gaits, 1.0 and 0.5 s for legs of LEG; slower ones have the former, other motions the latter.
         """
         size, given = biped.height / LEG, self.bounds.model_fields_set
         lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}

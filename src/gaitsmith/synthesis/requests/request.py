@@ -18,6 +18,7 @@ from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.motion import Condition, Motion, Same
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.solution.certificate import mirrored_entry
+from gaitsmith.synthesis.requests.free_times import freed
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 
@@ -93,6 +94,7 @@ class Request:
         settings: order, bounds, tolerances.
         faster: whether shorter steps at the same speed are tried where there is no gait: a robot with narrow soles or
             heavy legs cannot walk as slowly, for its size, as the paper's.
+        free_times: whether phase times and foot pitches of the step are free, for the least J.
 
     Raises:
         BadInput: more cycles than a gait file holds, or fewer than none.
@@ -104,6 +106,7 @@ class Request:
     cycles: int = 10
     settings: Settings = field(default_factory=Settings)
     faster: bool = False
+    free_times: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.cycles <= MOST_CYCLES:
@@ -145,10 +148,11 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     biped, settings = planner.biped, request.settings.sized(planner.biped)
     results: dict[str, PlanResult] = {}
 
-    def run(motion: Motion, chosen: Settings) -> PlanResult:
+    def run(motion: Motion, chosen: Settings, neighbour: PlanResult | None = None) -> PlanResult:
         tell = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
-        found = planner.plan(motion, chosen, report=tell)
-        results[motion.name] = found
+        found = planner.plan(motion, chosen, neighbour, report=tell)
+        if neighbour is None:
+            results[motion.name] = found
         return found
 
     rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
@@ -160,6 +164,10 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
         periods.append(step.period)
         step = replace(step, period=_FASTER * step.period, length=_FASTER * step.length)
         cycle = run(cyclic(biped, step), request.settings.sized(biped, step.period))
+    if request.free_times and cycle.gait is not None:
+        chosen = request.settings.sized(biped, step.period)
+        step, cycle = freed(step, cycle, lambda tried, best: run(cyclic(biped, tried), chosen, best))
+        results["cyclic"] = cycle
     return replace(_ends(planner, replace(request, step=step), run, results, cycle, rest), periods=tuple(periods))
 
 
