@@ -4,7 +4,10 @@ Each row starts from the default preset and changes only the numbers named. Thre
 a walk in place, and pushes of 40 N·s to four sides at two phases of the stride, in place, at a height of 0.66 m, each
 survived if the robot is upright 3 s later. The push is beyond what the default always survives, so that rows differ.
 
-    python benchmarks/deviations.py [--jobs N] [--only WORD] [--no-pushes] [--json]
+With ``--preset paper`` each row starts from that preset instead, walks from the first instant on, without standing
+before, as in the paper, and is not pushed: what that preset cannot do without.
+
+    python benchmarks/deviations.py [--preset paper] [--jobs N] [--only WORD] [--no-pushes] [--json]
 """
 
 from __future__ import annotations
@@ -99,11 +102,11 @@ def changed(parameters: ControlParameters, numbers: dict[str, dict[str, Any]]) -
     return ControlParameters.model_validate(values)
 
 
-def scenarios(pushes: bool) -> dict[str, list[Scenario]]:
-    """What one row runs, by kind."""
+def scenarios(pushes: bool, rest: float) -> dict[str, list[Scenario]]:
+    """What one row runs, by kind, after a rest, s."""
     found = {
-        "fast": [Scenario(speed=(FAST, 0.0), duration=12.0, rest_after=2.0)],
-        "in place": [Scenario(duration=16.0)],
+        "fast": [Scenario(speed=(FAST, 0.0), duration=12.0, rest_before=rest, rest_after=2.0 * rest)],
+        "in place": [Scenario(duration=16.0, rest_before=rest)],
     }
     if pushes:
         found["pushed"] = [
@@ -118,20 +121,23 @@ def scenarios(pushes: bool) -> dict[str, list[Scenario]]:
     return found
 
 
-def run_row(row: Deviation, pushes: bool) -> dict[str, Any]:
+def run_row(row: Deviation, pushes: bool, preset: str) -> dict[str, Any]:
     """Every figure of one row; None where the robot fell before it could be measured."""
     robot = load_robot("bhr_b2")
     if row.half_width is not None:
         believed = Sole(kind="rectangle", heel=0.07, toe=0.12, half_width=row.half_width)
         left, right = (replace(leg, sole=believed) for leg in robot.legs)
         robot = replace(robot, legs=(left, right))
-    parameters = changed(preset_parameters(robot, robot_scale(robot), "default"), row.numbers)
+    parameters = changed(preset_parameters(robot, robot_scale(robot), preset), row.numbers)
 
     def run(scenario: Scenario) -> Summary:
         controller = Controller(robot, preset=parameters)
         return Simulation(scenario, robot=robot, controller=controller, record=False).run().summary
 
-    results = {kind: [run(scenario) for scenario in group] for kind, group in scenarios(pushes).items()}
+    results = {
+        kind: [run(scenario) for scenario in group]
+        for kind, group in scenarios(pushes, float(preset == "default")).items()
+    }
     fast, still = results["fast"][0], results["in place"][0]
     pushed = results.get("pushed", [])
     falls = [summary.fall for summary in (fast, still) if summary.fall is not None]
@@ -181,6 +187,7 @@ def table(rows: list[dict[str, Any]]) -> Table:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--preset", choices=("default", "paper"), default="default")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--only", default="", help="rows whose name holds this word")
     parser.add_argument("--no-pushes", action="store_true")
@@ -193,7 +200,10 @@ def main() -> None:
         sys.exit(f"--only {arguments.only}: expected part of one of: {', '.join(row.name for row in known)}")
     Simulation(Scenario(duration=1.0), robot=robot, record=False)  # compile once, not in every process
     console, began, rows = Console(stderr=True), perf_counter(), []
-    work = (delayed(run_row)(row, not arguments.no_pushes) for row in chosen)
+    work = (
+        delayed(run_row)(row, arguments.preset == "default" and not arguments.no_pushes, arguments.preset)
+        for row in chosen
+    )
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("walking", total=len(chosen))
         for result in Parallel(n_jobs=max(1, min(arguments.jobs, len(chosen))), return_as="generator")(work):

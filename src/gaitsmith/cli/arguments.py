@@ -26,7 +26,7 @@ _Model = TypeVar("_Model", bound="Arguments")
 
 @dataclass(frozen=True)
 class Positional(About):
-    """The argument that takes the one word without an option before it."""
+    """The argument that takes the one word without an option before it, or all of them if it repeats."""
 
 
 class Arguments(Frozen):
@@ -225,7 +225,7 @@ def _read(options: list[_Option], words: Sequence[str], program: str) -> Iterato
                     break
                 given.append(rest.pop(0))
             yield option, option.value(given, first)
-        elif place is None or taken:
+        elif place is None or (taken and not place.repeats):
             raise BadInput("argument", word, "nothing more on this command line", f"see {program} --help")
         else:
             taken = True

@@ -82,6 +82,7 @@ class Command:
 COMMANDS: dict[tuple[str, ...], Command] = {
     ("demo",): Command("gaitsmith.cli.demo", "demo", "both papers' robots walk, and a page shows it"),
     ("walk",): Command("gaitsmith.cli.walk", "walk", "walk a robot through a scenario in closed loop with physics"),
+    ("reproduce",): Command("gaitsmith.cli.reproduce", "reproduce", "both papers' figures made again and compared"),
     ("report",): Command("gaitsmith.cli.show", "report", "a run as one HTML page that opens anywhere"),
     ("plot",): Command("gaitsmith.cli.show", "plot", "figures of a run, PNG and SVG"),
     ("video",): Command("gaitsmith.cli.show", "video", "a run as a film"),

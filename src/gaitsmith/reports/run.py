@@ -79,14 +79,19 @@ def open_run(name: str | Path) -> Run:
     return Run(folder, scenario, robot, log, summary, tuple(notes))
 
 
-def make_run(scenario: Scenario, folder: Path, tell: Callable[[float], None], watch: Observer | None = None) -> Run:
+def make_run(
+    scenario: Scenario,
+    folder: Path,
+    tell: Callable[[float], None],
+    watch: Callable[[Simulation], Observer] | None = None,
+) -> Run:
     """Walk a scenario and leave a complete run in a new folder.
 
     Args:
         scenario: to walk.
         folder: new.
         tell: hears of the simulated time, s.
-        watch: one more observer.
+        watch: makes one more observer.
 
     Raises:
         BadInput: the scenario does not fit the robot, or the disk is full.
@@ -96,7 +101,7 @@ def make_run(scenario: Scenario, folder: Path, tell: Callable[[float], None], wa
     simulation = Simulation(scenario, record=made.log)
     write_text_atomic(folder / "scenario.toml", scenario_toml(scenario))
     if watch is not None:
-        simulation.watch(watch)
+        simulation.watch(watch(simulation))
     episode = simulation.run(tell)
     write_summary(folder, episode.summary)
     if episode.interrupted:

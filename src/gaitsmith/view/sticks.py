@@ -41,12 +41,12 @@ def travel(trace: GaitTrace) -> float:
     return float(np.ptp(trace.bodies[:, trace.robot.torso_body, 0]))
 
 
-def _shots(trace: GaitTrace) -> list[int]:
+def _shots(trace: GaitTrace, most: int = _SHOTS) -> list[int]:
     """Instants one after the other: the borders of a motion of a few phases, else evenly in time."""
     borders = trace.gait.motion.borders
     if _FEW <= len(borders) <= _SHOTS:
         return [int(np.argmin(np.abs(trace.time - border))) for border in borders]
-    return [int(k) for k in np.linspace(0, len(trace.time) - 1, _SHOTS)]
+    return [int(k) for k in np.linspace(0, len(trace.time) - 1, most)]
 
 
 def _apart(trace: GaitTrace, axis: int) -> float:
@@ -60,7 +60,7 @@ def _breadth(trace: GaitTrace, axis: int) -> float:
     return _apart(trace, axis) * (len(_shots(trace)) + 0.3)
 
 
-def draw_side(axes: Axes, trace: GaitTrace) -> None:
+def draw_side(axes: Axes, trace: GaitTrace, legend: bool = True) -> None:
     """All figures where they are, from the side."""
     count = int(np.clip(travel(trace) / (_DENSE * float(trace.head[:, 2].max()) / 0.5), 8, 60))
     for order, k in enumerate(np.linspace(0, len(trace.time) - 1, count).astype(int)):
@@ -73,14 +73,15 @@ def draw_side(axes: Axes, trace: GaitTrace) -> None:
     axes.axhline(0.0, color=COMMAND, linewidth=1.0)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x, m", ylabel="z, m")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, fontsize=9.0, borderaxespad=0.1)
+    if legend:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, fontsize=9.0, borderaxespad=0.1)
 
 
-def draw_shots(axes: Axes, trace: GaitTrace, axis: int) -> None:
-    """Figures side by side, each with its time; ``axis`` is the world's that goes to the right (y to the left)."""
+def draw_shots(axes: Axes, trace: GaitTrace, axis: int, most: int = _SHOTS) -> None:
+    """At most ``most`` figures side by side, each with its time; ``axis`` goes to the right."""
     sign, size = (1.0, -1.0)[axis], float(trace.head[:, 2].max())
     places = trace.bodies[:, trace.robot.torso_body, axis]
-    apart, chosen = _apart(trace, axis), _shots(trace)
+    apart, chosen = _apart(trace, axis), _shots(trace, most)
     ball, borders = trace.gait.motion.parameters, trace.gait.motion.borders
     for order, k in enumerate(chosen):
         moved = apart * order - sign * places[k]
