@@ -1,5 +1,7 @@
 """Steps, printed references and real ground reactions, measured on short runs of which they are known."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
