@@ -8,7 +8,8 @@ import pytest
 from tests.adoption.made_up import MadeUp
 
 from gaitsmith.adoption import adopting
-from gaitsmith.adoption.holding import held_loads, too_weak, why_weak
+from gaitsmith.adoption.anatomy import find_anatomy
+from gaitsmith.adoption.holding import held_loads, too_weak, unlike_limits, why_weak
 from gaitsmith.robots import Robot
 
 
@@ -46,6 +47,16 @@ def test_weak_legs_are_named(tmp_path: Path) -> None:
     words = why_weak(loaded(MadeUp(strength=3.0), tmp_path / "weak"))
     assert words.startswith("leg motors too weak for its weight: ")
     assert "lk gives 3 of " in words
+
+
+def test_limits_that_are_not_mirrored_are_told() -> None:
+    for turned in ((), ("pitch", "roll")):
+        made = MadeUp(reversed_joints=turned, turned=1.0)
+        model = made.model()
+        anatomy = find_anatomy(model, "made_up.xml")
+        assert unlike_limits(model, anatomy) == ""
+        model.jnt_range[anatomy.legs[0].knee] = [-1.0, 0.5]
+        assert unlike_limits(model, anatomy).startswith("left and right limits differ: lk -1 to 0.5 but rk ")
 
 
 def test_a_scene_beside_the_model_says_what_collides(tmp_path: Path) -> None:

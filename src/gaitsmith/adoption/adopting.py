@@ -15,7 +15,7 @@ from typing import Any
 from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
 from gaitsmith.adoption.card_text import CardDraft, Entry, draft_card
 from gaitsmith.adoption.feet import add_soles, sole_candidates
-from gaitsmith.adoption.holding import outside, too_weak
+from gaitsmith.adoption.holding import outside, too_weak, unlike_limits
 from gaitsmith.adoption.picture import portrait_of
 from gaitsmith.adoption.refusals import Asked
 from gaitsmith.adoption.search import Found, search
@@ -121,7 +121,7 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
     with _staged(out) as folder:
         _write(folder, files, draft)
         robot = load_robot(folder)
-        weak = too_weak(robot)
+        weak = _weak(robot, found, anatomy)
         if weak := {joint: weak[joint] for joint in outside(robot, weak)}:
             draft = draft_card(name, model_file, found.model, anatomy, soles, welded | weak)
             _write(folder, files, draft)
@@ -139,6 +139,8 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
                 doctor = examine(robot, str(folder), progress=progress)
         sheet = _sheet(robot, folder, doctor, store, wishes, progress)
         _narrow(draft, robot, sheet or {})
+        if unlike := unlike_limits(found.model, anatomy):
+            draft.remarks.append(f"note: {unlike}")
         draft.remarks += _remarks(robot, found, doctor, sheet)
         write_text_atomic(folder / _CARD, draft.text())
         robot = load_robot(folder)
@@ -246,6 +248,15 @@ def _welded(found: ModelFile, anatomy: Anatomy) -> dict[str, str]:
     """Joints that the card welds, and why."""
     toes = [found.model.joint(j).name for leg in anatomy.legs for j in leg.toes]
     return dict.fromkeys(toes, "toes: the sole is rigid")
+
+
+def _weak(robot: Robot, found: ModelFile, anatomy: Anatomy) -> dict[str, str]:
+    """As :func:`too_weak`; what keeps the robot from standing is explained."""
+    try:
+        return too_weak(robot)
+    except BadInput as error:
+        unlike = unlike_limits(found.model, anatomy)
+        raise BadInput(found.entry, f"{error.field}: {error.value}", error.valid, unlike or error.remedy) from None
 
 
 def _use(draft: CardDraft, tried: Found, seed: int) -> None:

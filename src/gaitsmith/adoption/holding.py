@@ -1,4 +1,4 @@
-"""Whether the motors hold the robot's own weight while it stands: those that do not explain why it falls."""
+"""Why a robot cannot stand: motors that do not hold its weight, limits of left and right that do not match."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
+from gaitsmith.adoption.anatomy import Anatomy
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot
 
 _SPARE = 0.9  # of a motor's torque, at most to be spent on standing
 _SHOWN = 4  # joints that are named
+_MIRRORED = np.array([-1.0, 1.0, -1.0])  # an axis of turning, seen in a mirror between left and right
+_UNLIKE = 0.1  # rad: what is left and right limits' own affair
 
 
 def held_loads(robot: Robot) -> dict[str, float]:
@@ -57,3 +60,23 @@ def why_weak(robot: Robot) -> str:
     weak = too_weak(robot)
     legs = [weak[name].partition(": ")[2] for name in weak if name not in outside(robot, weak)]
     return f"leg motors too weak for its weight: {', '.join(legs[:_SHOWN])}" if legs else ""
+
+
+def unlike_limits(model: mujoco.MjModel, anatomy: Anatomy) -> str:
+    """Leg joints whose ranges are not each other's mirror image, in words; empty if all are."""
+    found: dict[str, float] = {}
+    for left, right in zip(*(leg.joints for leg in anatomy.legs), strict=True):
+        own, other = (anatomy.axes.T @ anatomy.data.xaxis[joint] for joint in (left, right))
+        alike = (own * _MIRRORED) @ other > 0.0
+        mirrored = model.jnt_range[right] if alike else -model.jnt_range[right][::-1]
+        off = float(np.abs(model.jnt_range[left] - mirrored).max())
+        if off > _UNLIKE and model.jnt_limited[[left, right]].all():
+            ranges = (f"{model.joint(j).name} {_range(model.jnt_range[j])}" for j in (left, right))
+            found[" but ".join(ranges)] = off
+    more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+    return f"left and right limits differ: {max(found, key=lambda words: found[words])}{more}" if found else ""
+
+
+def _range(bounds: np.typing.ArrayLike) -> str:
+    low, high = np.asarray(bounds)
+    return f"{low:.3g} to {high:.3g}"
