@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING, Annotated
 
 from gaitsmith.cli.arguments import Arguments, parse
-from gaitsmith.cli.dispatch import DONE, FELL, Outcome, Table
+from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome, Table
 from gaitsmith.documents import About
 from gaitsmith.simulation.run_folder import NewFolder, check_new_folder
 
@@ -21,11 +21,16 @@ class DemoArguments(Arguments):
     out: Annotated[
         str | None, About("New folder for runs, gaits and the page", metavar="DIR", absent="runs/demo-TIME")
     ] = None
+    live: Annotated[bool, About("Open the live page instead; needs pip install 'gaitsmith[live]'")] = False
 
 
 def demo(words: list[str], program: str) -> Outcome:
     """Run the command."""
     arguments = parse(DemoArguments, words, program)
+    if arguments.live:
+        from gaitsmith.cli.live import live
+
+        return live([], "gaitsmith live")
     folder = check_new_folder(arguments.out or time.strftime("runs/demo-%Y%m%d-%H%M%S"))
     from gaitsmith.cli.display import Display
     from gaitsmith.cli.interrupts import stop_if_heard
@@ -39,7 +44,11 @@ def demo(words: list[str], program: str) -> Outcome:
             stop_if_heard()
             display.show(what, done, completed, total)
 
-        found = run_demo(folder, tell)
+        try:
+            found = run_demo(folder, tell)
+        except KeyboardInterrupt:
+            line = f"interrupted; what was finished is in {folder}"
+            return Outcome(INTERRUPTED, {"interrupted": True, "out": str(folder)}, [line])
     runs = {"figure5": found.profile, **found.planned}
     fell = any(run.summary.fell for run in runs.values())
     document = {
