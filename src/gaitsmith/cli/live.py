@@ -61,7 +61,10 @@ def _walk(arguments: _Live, given: dict[str, Any]) -> Outcome:
     robot = named_robot(scenario["robot"])
     check_soles(robot)
     with Display("loading (the first time compiles)"):
-        session = Session(scenario, robot, arguments.host, arguments.port, arguments.out)
+        try:
+            session = Session(scenario, robot, arguments.host, arguments.port, arguments.out)
+        except BadInput as error:
+            raise as_flag(error, LiveArguments) from None
     recorded: list[str] = []
     try:
         _tell(session.address)

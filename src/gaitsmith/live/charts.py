@@ -39,8 +39,11 @@ _COMMAND = _Line("command", _GREY, 2.0, (6, 4))
 _BAND = _Line("", "#d5dae1", 1.0)
 CHARTS = {
     "speed": _Chart(
-        "Forward speed, m/s",
-        (_COMMAND, _Line("centre of mass", _PALE, 1.0), _Line("mean of a step", _BLUE, 2.5)),
+        "Speed, m/s",
+        (
+            *(_COMMAND, _Line("forward", _PALE, 1.0), _Line("mean of a step", _BLUE, 2.5)),
+            _Line("to the left", _ORANGE, 1.5),
+        ),
         ((0.0, "#d5dae1"),),
     ),
     "torso": _Chart("Torso, °", (_Line("roll", _ORANGE), _Line("pitch", _BLUE)), ((-2.0, "#e7eaee"), (2.0, "#e7eaee"))),
@@ -71,12 +74,12 @@ class History:
         others = np.setdiff1d(np.arange(len(self._limit)), np.concatenate(in_legs))
         self._groups = [*in_legs, others]
         self.has_others = len(others) > 0
-        self._speeds: list[tuple[float, float]] = []
+        self._speeds: list[tuple[float, float, float]] = []
         self.clear()
 
     def clear(self) -> None:
         """Forget all."""
-        self.rows = np.zeros((0, 14))
+        self.rows = np.zeros((0, 15))
         self._speeds.clear()
         self._episode = -1.0
 
@@ -97,22 +100,23 @@ class History:
             loads = [float(share[group].max()) if len(group) else math.nan for group in self._groups]
             walks = row[at["mode"]] > 0.0
             speed, height = row[at["true.com_velocity_x"]], row[at["hip_height"]]
-            self._speeds.append((time, speed))
+            self._speeds.append((time, speed, row[at["true.com_velocity_y"]]))
             while self._speeds and self._speeds[0][0] < time - 2.0 * row[at["command.period"]]:
                 self._speeds.pop(0)
-            mean = float(np.mean([value for _, value in self._speeds]))
+            _, mean, left = np.mean(self._speeds, axis=0)
             tilt = np.degrees(row[[at["true.torso_roll"], at["true.torso_pitch"]]])
             command = row[at["command.speed_x"]] if walks else 0.0
             told = row[at["command.height"]]
-            new = (time, command, speed, mean, *tilt, told, height, *loads, 1e3 * busy, 0.95 * told, 1.03 * told)
+            new = (time, command, speed, mean, *tilt, told, height, *loads, 1e3 * busy, 0.95 * told, 1.03 * told, left)
             self.rows = np.vstack([self.rows[-self._size + 1 :], new])
 
 
 _WANTED = (
     *("live.time", "live.episode", "live.busy", "mode", "true.com_velocity_x", "hip_height", "command.period"),
+    "true.com_velocity_y",
     *("true.torso_roll", "true.torso_pitch", "command.speed_x", "command.height"),
 )
-_COLUMNS = {"speed": (1, 2, 3), "torso": (4, 5), "height": (6, 7, 12, 13), "torque": (8, 9, 10), "tick": (11,)}
+_COLUMNS = {"speed": (1, 2, 3, 14), "torso": (4, 5), "height": (6, 7, 12, 13), "torque": (8, 9, 10), "tick": (11,)}
 
 
 class Charts:

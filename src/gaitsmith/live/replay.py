@@ -133,7 +133,7 @@ class Replay:
         self._scene.show(frame, slow=self._count % 3 == 0)
         if self._count % 4 == 0 or not self.playing:
             self._shown = number if not self.playing else -1
-            self._slider.value = self.at
+            self._slider.value = round(self.at, 2)
             self._draw_charts(number)
             self._status.content = self._state()
 

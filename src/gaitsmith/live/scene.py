@@ -219,6 +219,8 @@ class Scene:
             self._prints.clear()
             self._pushed, self._steps_changed, self._steps_taken = (-math.inf, np.zeros(3)), True, -1.0
         self._episode = frame["live.episode"]
+        if time > self._time + 0.5 * _TRAIL:
+            self._trail.clear()  # somebody has jumped ahead
         if time != self._time:
             self._trail.append((time, self.pose.sole_position.copy()))
         self._time = time

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import logging
+import os
 import socket
 from collections.abc import Iterator
 from typing import Any
@@ -39,9 +41,12 @@ def listen(host: str, port: int) -> socket.socket:
         return socket.create_server((host, port), family=family)
     except socket.gaierror as error:
         raise BadInput("--host", host, "a name or address of this machine", reason(error)) from None
-    except (OSError, OverflowError) as error:
-        remedy = "choose another one, or --port 0 for any"
-        raise BadInput("--port", port, f"a free port on {host}", f"{reason(OSError(str(error)))}; {remedy}") from None
+    except OSError as error:
+        if error.errno in (errno.EADDRINUSE, errno.EACCES):
+            taken = "in use" if error.errno == errno.EADDRINUSE else "for the administrator alone"
+            remedy = f"{port} is {taken}: choose another one, or --port 0 for any"
+            raise BadInput("--port", port, f"a free port on {host}", remedy) from None
+        raise BadInput("--host", host, "an address of this machine", os.strerror(error.errno or 0).lower()) from None
 
 
 class Server:
