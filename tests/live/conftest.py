@@ -4,8 +4,11 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from tests.live.bench import Bench
 
+from gaitsmith.live.recording import finish_folder
 from gaitsmith.live.session import Session
+from gaitsmith.live.wishes import Kind
 from gaitsmith.robots import load_robot
 
 
@@ -30,3 +33,17 @@ def steered(tmp_path_factory) -> Iterator[Steered]:
     made = Steered(tmp_path_factory.mktemp("runs"))
     yield made
     made.close()
+
+
+@pytest.fixture(scope="module")
+def fallen(tmp_path_factory):
+    """Folder of a run of 3 s that a push at 2 s has ended."""
+    bench = Bench(tmp_path_factory.mktemp("runs"), robot="bhr_b2", speed=[0.3, 0.0])
+    bench.wish(Kind.RECORD, 1.0)
+    bench.ticks(2000)
+    bench.wish(Kind.PUSH, 0.0, 90.0, 0.0)
+    bench.ticks(3000)
+    folder = bench.walker._recording.done
+    assert finish_folder(folder) == ""
+    bench.close()
+    return folder

@@ -40,7 +40,8 @@ _KEYS = """| key | does |
 | **space** **N** | pause, one tick |
 | **R** | begin anew |
 
-Drag the torso to pull at it. Drag beside it to look from elsewhere.
+Drag the torso to pull at it. Drag beside it to look from elsewhere. A gamepad: left stick speed, right stick turning,
+cross pushes, A pauses, B stops.
 """
 _DIRECTIONS = {
     "↑": (1.0, 0.0),
@@ -109,8 +110,9 @@ class Controls:
         slider = self._server.gui.add_slider(label, low, high, step, min(max(value, low), high))
         self._sliders[part] = slider
 
-        async def moved(_: Any) -> None:
-            self.set_gait(part, slider.value)
+        async def moved(event: Any) -> None:
+            if event.client_id is not None:  # not by the page itself
+                self.set_gait(part, slider.value)
 
         slider.on_update(moved)
 

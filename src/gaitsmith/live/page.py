@@ -12,6 +12,7 @@ from gaitsmith.live.charts import Charts, History
 from gaitsmith.live.controls import Controls
 from gaitsmith.live.desk import Desk
 from gaitsmith.live.frame import Frame
+from gaitsmith.live.gamepad import SCRIPT
 from gaitsmith.live.handover import Note, Ring
 from gaitsmith.live.scene import OVERLAYS, Scene
 from gaitsmith.live.server import Server
@@ -105,6 +106,7 @@ class Page:
         add_overlay_switches(server, self.scene)
         self.controls.add_ground(str(scenario.get("terrain", "flat")))
         self.controls.add_keys()
+        server.run_in_browsers(SCRIPT)
         charts = gui.add_panel()
         with charts.add_tab("Last 10 seconds"):
             self.charts = Charts(server, self.history)

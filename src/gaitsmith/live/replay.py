@@ -75,7 +75,9 @@ class Replay:
         step = max(round((self._end - self._begin) / 2000.0, 3), 0.001)
         self._slider = gui.add_slider("Time, s", self._begin, self._end, step, self._begin, marks=tuple(marks))
 
-        async def moved(_: Any) -> None:
+        async def moved(event: Any) -> None:
+            if event.client_id is None:  # the page itself has moved it
+                return
             self.at = clamped(self._slider.value, self._begin, self._end, self.at)
             self.playing = False
 
@@ -151,7 +153,7 @@ class Replay:
     def _state(self) -> str:
         """What is shown, as HTML."""
         run, frame, dark = self._run, self._run.frame, "#2b323b"
-        fallen = run.fall is not None and self.at >= run.fall.time - 1e-6
+        fallen = self._timeline.fall is not None and self.at >= self._timeline.fall - 1e-6
         title, colour = ("Playing", "#3caf5a") if self.playing else ("Paused", "#eba614")
         if fallen and run.fall is not None:
             title, colour = f"Fell at {run.fall.time:.2f} s", "#d62828"

@@ -66,7 +66,8 @@ class Server:
     def __init__(self, listening: socket.socket, token: str, title: str) -> None:
         host, port = listening.getsockname()[:2]
         self.guard = Guard(token, local=host in (LOOPBACK, "::1"))
-        with _quiet(), _behind(self.guard, listening):
+        rich.get_console().quiet = True  # viser tells of its start and end on standard output, the latter from a thread
+        with _behind(self.guard, listening):
             self._viser = viser.ViserServer(host=host, port=port, label=title, verbose=False)
         self.scene: Any = self._viser.scene
         self.gui: Any = self._viser.gui
@@ -84,10 +85,9 @@ class Server:
         camera.position, camera.look_at = (1.9 * size, -3.0 * size, 1.7 * size), (0.1 * size, 0.0, 0.75 * size)
         camera.fov, camera.near, camera.far = 0.75, 0.02 * size, 200.0
 
-    @property
-    def viewers(self) -> int:
-        """Browsers that look at the page."""
-        return len(self._viser.get_clients())
+    def run_in_browsers(self, script: str) -> None:
+        """Let every browser run a script of this package, also those that come later."""
+        self.gui._websock_interface.queue_message(viser._messages.RunJavascriptMessage(source=script))
 
     def together(self) -> contextlib.AbstractContextManager[None]:
         """What is changed within appears at once."""
@@ -95,19 +95,7 @@ class Server:
 
     def stop(self) -> None:
         """Close all connections."""
-        with _quiet():
-            self._viser.stop()
-
-
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Without what viser tells on standard output."""
-    console = rich.get_console()
-    before, console.quiet = console.quiet, True
-    try:
-        yield
-    finally:
-        console.quiet = before
+        self._viser.stop()
 
 
 @contextlib.contextmanager

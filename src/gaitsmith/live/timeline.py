@@ -60,7 +60,8 @@ def timeline_of(run: Run) -> Timeline:
             rose = np.flatnonzero(np.diff(log.column(column)) > 0.0) + 1
             limits += [Span(float(log.time[k]), float(log.time[k]) + _SHORTEST, words) for k in rose]
     pushes = [Span(begin, end, _impulse(force * (end - begin))) for begin, end, force in run.pushes]
-    return Timeline(touchdowns, sorted(limits), pushes, run.fall.time if run.fall else None)
+    fall = min(run.fall.time, float(log.time[-1])) if run.fall else None  # rows are sparser than ticks
+    return Timeline(touchdowns, sorted(limits), pushes, fall)
 
 
 def _impulse(impulse: Array) -> str:
