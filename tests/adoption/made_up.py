@@ -21,7 +21,7 @@ class MadeUp:
         reversed_joints: roles whose axes point the other way; their ranges follow.
         turned: rad, of everything about the vertical inside the root body.
         waist: joints between the root, then the upper body, and the pelvis.
-        sole: box, trapezoid (four balls), line (one capsule), ball, wheel, paired (a box that only a scene lets
+        sole: box, stilt (a box far below), trapezoid (four balls), line (one capsule), ball, wheel, paired (a box that only a scene lets
             collide), or none.
         toes: whether a toe joint with a shape of its own follows.
         bend: rad, of the zero pose's knees; the feet tilt with it.
@@ -136,6 +136,8 @@ class MadeUp:
         if self.sole == "paired":
             bits = 'contype="0" conaffinity="0" density="0"'
             return f'<geom name="{tag}_sole" type="box" size=".09 .04 .015" pos=".03 0 -.045" {bits}/>'
+        if self.sole == "stilt":
+            return '<geom type="box" size=".09 .04 .015" pos=".03 0 -.35" density="0"/>'
         if self.sole == "wheel":
             return '<geom type="cylinder" size=".08 .02" euler="1.5707963 0 0" density="0"/>'
         if self.sole == "box":

@@ -96,6 +96,7 @@ def test_several_pairs_of_legs_are_asked_for_and_a_single_one_is_taken() -> None
     [
         (MadeUp(sides=(1,)), "one leg"),
         (MadeUp(ankle=()), "ankle"),
+        (MadeUp(sole="stilt"), "half-way up the leg"),
         (MadeUp(coupled=("lk", "la0")), "coupled"),
     ],
 )

@@ -23,7 +23,7 @@ from gaitsmith.errors import BadInput
 Array = NDArray[np.float64]
 
 ROLES = ("roll", "pitch", "yaw")
-_ANKLE = 0.4  # of hip height: an ankle is below
+_ANKLE = 0.28  # of hip height: an ankle is below
 _LONG = 2.0  # y extent over z extent of a model whose y is up
 _SNAP = np.radians(5.0)  # a body's axis this near to forward or up is meant to be it
 _CLEAR = 0.06  # of a sole's length: the ankle is that far behind the middle of a foot
@@ -205,7 +205,7 @@ def _leg(tree: Links, path: tuple[int, ...], axes: Array) -> LegFound:
     shapes = tuple(shape for link in below for shape in tree.shapes[link])
     toes = tuple(j for link in below if link != foot for j in tree.joints[link])
     ankle: Array = data.xanchor[joints[pitches[2]]].copy()
-    ground = lowest(shapes, ankle)[2]
+    ground = min(lowest(shapes, ankle)[2], *(data.xanchor[j][2] for j in toes), ankle[2])
     hip = float(data.xanchor[joints[0]][2])
     if ankle[2] - ground > _ANKLE * (hip - ground):
         words = f"a third pitch joint half-way up the leg ({model.joint(joints[pitches[2]]).name})"
