@@ -28,6 +28,9 @@ VALUES = {
     "--ball": "0.04 0.07",
     "--kick-height": "0.05",
     "--x-max": "0.16",
+    "--rise": "0.04",
+    "--tread": "0.22",
+    "--steps": "4",
     "--jobs": "2",
     "--out": "g.json",
     "--figures": "figures",
@@ -38,6 +41,7 @@ MEANT = {
     **dict.fromkeys(("cyclic", "start", "stop"), WALKS | SOLVE),
     "walk": WALKS | SOLVE | {"--cycles"},
     "kick": {"--speed", "--ball", "--kick-height", "--x-max"} | SOLVE,
+    "stairs": {"--rise", "--tread", "--steps", "--period", "--step-height", "--double-support"} | SOLVE,
     "sweep": {"--jobs"},
     "--claims": set(),
     "m.toml": {"--out", "--figures"},
@@ -76,7 +80,10 @@ def test_nothing_given_asks_for_the_defaults(kind: str) -> None:
     friction = KICK_FRICTION if kind == "kick" else Settings().bounds.friction
     assert request.settings.bounds.friction == friction
     assert request.settings.model_copy(update={"bounds": Settings().bounds}) == Settings()
-    assert (request.step, request.cycles) == (StepParameters(0.15, 1.0), Request.cycles)
+    stairs = StepParameters(0.2, 1.2, height=0.03, rise=0.05), 2
+    assert (request.step, request.cycles) == (
+        stairs if kind == "stairs" else (StepParameters(0.15, 1.0), Request.cycles)
+    )
 
 
 def test_flags_reach_the_request() -> None:

@@ -63,6 +63,25 @@ def test_height_is_that_of_the_blocks(name):
             assert terrain.height(x + 0.4 * BOX_PITCH, y) == pytest.approx(block.centre[2] + block.half_size[2])
 
 
+@pytest.mark.parametrize("rise", [0.05, -0.04])
+def test_stairs_rise_by_a_tread_at_every_edge_and_end_in_the_plane(rise):
+    terrain = parse_terrain(f"stairs:{rise},0.25,0.3,4")
+    heights = [terrain.height(x, 0.0) for x in (0.29, 0.31, 0.56, 0.81, 1.06, 2.0, 4.0)]
+    assert np.diff(heights[:5]) == pytest.approx(rise)
+    assert heights[4] == heights[5] == heights[6]
+    assert min(heights) == pytest.approx(0.0)
+    tops = [(b.centre[0] - b.half_size[0], b.centre[0] + b.half_size[0], b) for b in terrain.blocks(Region())]
+    for x in (-1.0, 0.29, 0.31, 0.56, 0.81, 1.06, 4.0):
+        found = [b.centre[2] + b.half_size[2] for low, high, b in tops if low < x < high]
+        assert (found or [0.0]) == pytest.approx([terrain.height(x, 0.0)])
+
+
+@pytest.mark.parametrize("name", ["stairs:0,0.2,0.1,5", "stairs:0.05,0.2,0.1", "stairs:1,0.2,0.1,5", "stairs:a,b,c,d"])
+def test_stairs_that_are_none_are_refused(name):
+    with pytest.raises(BadInput, match="terrain"):
+        parse_terrain(name)
+
+
 @pytest.mark.parametrize(
     "name",
     ["", "hill", "slope", "slope:", "slope:31", "slope:nan", "boxes:-0.1", "boxes:1", "flat:3", "boxes:inf", "slope:a"],

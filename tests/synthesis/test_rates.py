@@ -16,7 +16,7 @@ DEARER = 1.05
 
 @pytest.fixture(scope="module")
 def trans(planner):
-    settings = Settings().sized(planner.biped, 1.0)
+    settings = Settings().sized(planner.biped, 0.3)
     return Transcription(planner.biped, cyclic(planner.biped, StepParameters(0.15, 1.0)), settings)
 
 

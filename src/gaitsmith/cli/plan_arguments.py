@@ -18,10 +18,14 @@ from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOS
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
 _BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields
 _WALKS = ("cyclic", "start", "stop", "walk")
-_NAMED = (*_WALKS, "kick")
+_NAMED = (*_WALKS, "kick", "stairs")
+_STEPS = (3, 60)  # of stairs
 _APPLIES: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("speed", "order", "zmp_margin", "friction", "max_iterations"), _NAMED),
-    **dict.fromkeys(("step_length", "period", "step_height", "double_support"), _WALKS),
+    "speed": (*_WALKS, "kick"),
+    **dict.fromkeys(("order", "zmp_margin", "friction", "max_iterations"), _NAMED),
+    "step_length": _WALKS,
+    **dict.fromkeys(("period", "step_height", "double_support"), (*_WALKS, "stairs")),
+    **dict.fromkeys(("rise", "tread", "steps"), ("stairs",)),
     "cycles": ("walk",),
     "free_times": _WALKS,
     "jobs": (SWEEP,),
@@ -41,7 +45,7 @@ def _usual(value: float, flag: str) -> str:
 
 
 class PlanArguments(Arguments):
-    """Plan a motion: cyclic, start, stop, walk, kick, sweep, or a motion file (TOML).
+    """Plan a motion: cyclic, start, stop, walk, kick, stairs, sweep, or a motion file (TOML).
 
     Of speed, step length and period any two decide the third; one alone follows the paper's two gaits. Lengths and
     times that are defaults hold for hips 0.39 m high; a robot of another size gets them in proportion. Where a speed
@@ -51,7 +55,9 @@ class PlanArguments(Arguments):
     motion: Annotated[
         str | None,
         Positional(
-            "cyclic, start, stop, walk, kick, sweep, or the path of a motion file", metavar="MOTION", absent="cyclic"
+            "cyclic, start, stop, walk, kick, stairs, sweep, or the path of a motion file",
+            metavar="MOTION",
+            absent="cyclic",
         ),
     ] = None
     robot: RobotName = "thbip_ii"
@@ -96,6 +102,17 @@ class PlanArguments(Arguments):
         About("Height of a kick's raised ankle above its height on the ground", "m", "M", KickParameters.height),
     ] = None
     x_max: Annotated[Reach | None, About("How far ahead a kick's ankle swings", "m", "M", KickParameters.reach)] = None
+    rise: Annotated[
+        float | None,
+        Field(ge=-0.5, le=0.5),
+        About("Of stairs: how much higher every tread is; negative: lower", "m", "M", "0.05"),
+    ] = None
+    tread: Annotated[
+        float | None, Field(gt=0.0, le=2.0), About("Of stairs: from one edge to the next", "m", "M", "0.2")
+    ] = None
+    steps: Annotated[
+        int | None, Field(ge=_STEPS[0], le=_STEPS[1]), About("Of stairs: how many", metavar="N", absent="5")
+    ] = None
     order: Annotated[
         Literal[4, 5] | None,
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=_SETTINGS["order"].default),
@@ -168,12 +185,30 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Reque
             raise BadInput("--speed", arguments.speed, f"{KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g} for a kick")
         given = _given(speed=arguments.speed, ball=arguments.ball, height=arguments.kick_height, reach=arguments.x_max)
         return Request("kick", kick=KickParameters(**given), settings=settings)
+    if task == "stairs":
+        return _stairs(arguments, settings, leg)
     length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
     step = StepParameters.sized(leg, length, period, **shape)
     faster = arguments.step_length is None and arguments.period is None
     more = _given(cycles=arguments.cycles, free_times=arguments.free_times)
     return Request(task, step=step, settings=settings, faster=faster, **more)  # type: ignore[arg-type]
+
+
+def _stairs(arguments: PlanArguments, settings: Settings, leg: float) -> Request:
+    """A walk on stairs; lengths and times that are not given in the robot's size."""
+    size = leg / LEG
+    rise = 0.05 * size if arguments.rise is None else arguments.rise
+    steps = 5 if arguments.steps is None else arguments.steps
+    shape = _given(height=arguments.step_height, double_support=arguments.double_support, period=arguments.period)
+    length = 0.2 * size if arguments.tread is None else arguments.tread
+    step = StepParameters.sized(
+        leg,
+        length,
+        shape.pop("period", 1.2 * size**0.5),
+        **({"height": 0.03 * size, "rise": rise, "base": max(0.0, -rise * steps)} | shape),
+    )
+    return Request("stairs", step=step, settings=settings, cycles=steps - 3)
 
 
 def _given(**values: Any) -> dict[str, Any]:

@@ -123,7 +123,8 @@ class Scenario(Command):
     terrain: Annotated[
         str,
         About(
-            "Ground: flat, a slope (uphill positive), or random boxes up to a height", metavar="flat|slope:DEG|boxes:M"
+            "Ground: flat, a slope (uphill positive), random boxes up to a height, or stairs",
+            metavar="flat|slope:DEG|boxes:M|stairs:RISE,TREAD,EDGE,COUNT",
         ),
     ] = "flat"
     duration: Annotated[float, Field(gt=0.0), About("Length of the whole run, rests included", "s", "S")] = 20.0

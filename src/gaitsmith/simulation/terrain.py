@@ -1,4 +1,4 @@
-"""Ground under the robot: flat, a slope, or random boxes, described as plain blocks for the physics engine."""
+"""Ground under the robot: flat, a slope, random boxes, or stairs, described as plain blocks for the physics engine."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 
-VALID = "flat, slope:DEGREES (-30 to 30), or boxes:METRES (0 to 0.3)"
+VALID = "flat, slope:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), or stairs:RISE,TREAD,EDGE,COUNT"
 SLOPE_START = 0.6  # m ahead of the origin: the start stance is level
 BOX_PITCH = 0.3
 FLAT_RADIUS = 1.05  # m: boxes whose centre is nearer than this to the origin have no height
 _FIELD = 200  # cells each way: heights are drawn for all of them, so they don't depend on the region asked for
+_FAR = 5.0  # m of level ground before and behind stairs, and beside them
 _SUNK = 0.05  # m of every box below the plane
 
 
@@ -40,14 +41,20 @@ class Terrain:
 
     Attributes:
         kind: ``flat``; ``slope``, level until 0.6 m ahead of the origin and then inclined about y; ``boxes``, a grid
-            of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin.
-        amount: inclination in degrees (uphill positive) or largest box height in m; 0 for flat ground.
+            of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin;
+            ``stairs`` up from z = 0, or down to it.
+        amount: inclination in degrees (uphill positive), largest box height in m, or how much higher every tread is
+            than the one before, m, negative for stairs that lead down; 0 for flat ground.
         seed: seed of the box heights.
+        tread, edge, count: of stairs: from one edge to the next, where the first one is, m, and how many there are.
     """
 
-    kind: Literal["flat", "slope", "boxes"] = "flat"
+    kind: Literal["flat", "slope", "boxes", "stairs"] = "flat"
     amount: float = 0.0
     seed: int = 0
+    tread: float = 0.2
+    edge: float = 0.12
+    count: int = 0
 
     def height(self, x: float, y: float) -> float:
         """Height of the ground at a point of the world, m; on an edge between boxes, of either."""
@@ -55,7 +62,13 @@ class Terrain:
             return max(x - SLOPE_START, 0.0) * math.tan(math.radians(self.amount))
         if self.kind == "boxes":
             return _box_height(_field(self.amount, self.seed), round(x / BOX_PITCH), round(y / BOX_PITCH))
+        if self.kind == "stairs":
+            return self._tread_height(min(max(math.floor((x - self.edge) / self.tread) + 1, 0), self.count))
         return 0.0
+
+    def _tread_height(self, number: int) -> float:
+        """Of the level ground before the stairs (0), or of a tread; the lowest one is in the plane."""
+        return self.amount * number + max(-self.amount * self.count, 0.0)
 
     def blocks(self, region: Region) -> list[Block]:
         """Boxes of ground that cover ``region``, besides the level plane; none farther than 60 m from the origin."""
@@ -63,11 +76,26 @@ class Terrain:
             return _slope_blocks(math.radians(self.amount), region)
         if self.kind == "boxes":
             return _random_blocks(self.amount, self.seed, region)
+        if self.kind == "stairs":
+            return self._tread_blocks(region)
         return []
+
+    def _tread_blocks(self, region: Region) -> list[Block]:
+        """One box a tread that is above the plane, from edge to edge; the first and the last reach far."""
+        edges = [self.edge + k * self.tread for k in range(self.count)]
+        begins = [min(region.x[0], self.edge) - _FAR, *edges]
+        ends = [*edges, max(region.x[1], edges[-1]) + _FAR]
+        breadth, found = max(-region.y[0], region.y[1], _FAR), []
+        for number, (begin, end) in enumerate(zip(begins, ends, strict=True)):
+            height = self._tread_height(number)
+            if height > 0.0:
+                middle, half = (begin + end) / 2, (height + _SUNK) / 2
+                found.append(Block((middle, 0.0, height - half), ((end - begin) / 2, breadth, half)))
+        return found
 
 
 def parse_terrain(text: str, seed: int = 0) -> Terrain:
-    """Terrain named ``flat``, ``slope:DEG``, or ``boxes:M``.
+    """Terrain named ``flat``, ``slope:DEG``, ``boxes:M``, or ``stairs:RISE,TREAD,EDGE,COUNT``.
 
     Raises:
         BadInput: unknown kind, or a number missing, not finite, or out of range.
@@ -75,6 +103,8 @@ def parse_terrain(text: str, seed: int = 0) -> Terrain:
     kind, _, number = text.partition(":")
     if text == "flat":
         return Terrain()
+    if kind == "stairs":
+        return _parsed_stairs(text, number)
     try:
         amount = float(number)
     except ValueError:
@@ -84,6 +114,18 @@ def parse_terrain(text: str, seed: int = 0) -> Terrain:
     if kind == "boxes" and 0.0 <= amount <= 0.3:
         return Terrain("boxes", amount, seed)
     raise BadInput("terrain", text, VALID)
+
+
+def _parsed_stairs(text: str, numbers: str) -> Terrain:
+    try:
+        rise, tread, edge, count = (float(part) for part in numbers.split(","))
+    except ValueError:
+        raise BadInput("terrain", text, VALID) from None
+    sound = 0.0 < abs(rise) <= 0.5 and 0.05 <= tread <= 2.0 and abs(edge) <= 10.0 and count in range(1, 101)
+    if not sound:
+        valid = "rise -0.5 to 0.5 m and not 0, tread 0.05 to 2 m, edge within 10 m, 1 to 100 steps"
+        raise BadInput("terrain", text, valid)
+    return Terrain("stairs", rise, tread=tread, edge=edge, count=int(count))
 
 
 def _slope_blocks(angle: float, region: Region) -> list[Block]:

@@ -34,6 +34,7 @@ QuantityName = Annotated[str, AfterValidator(_quantity)]
 Number = Annotated[float, Field(ge=-1e6, le=1e6)]
 Amount = Annotated[float, Field(ge=-1e3, le=1e3)]  # m, m/s or the sine of an angle
 Place = tuple[Amount, Amount]
+Height = Annotated[float, Field(ge=-10.0, le=10.0)]  # m
 _Border = Annotated[int, Field(ge=0)]
 _Joints = Annotated[tuple[Number, ...], Field(max_length=200)]
 _Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE)]
@@ -80,6 +81,8 @@ class _PhaseEntry(Parameters):
     contact: Literal["air", "flat", "heel", "toe"]
     foothold: Place
     other_foothold: Place | None
+    height: Height = 0.0
+    other_height: Height = 0.0
     limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=len(QUANTITIES))]
     sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
 
@@ -145,7 +148,8 @@ def gait_from(document: dict[str, Any]) -> Gait:
         groups.append(_pieces(item, f"phases[{index}].sections", clock, len(joints)))
         limits = tuple(limit.limit(limit.quantity) for limit in item.limits)
         where = (item.support, item.contact, item.foothold, item.other_foothold)
-        phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits))
+        heights = item.height, item.other_height
+        phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits, *heights))
         clock += item.duration
     if clock > LONGEST:
         raise BadInput("phases", f"{clock:.6g} s", f"at most {LONGEST:g} s in all")

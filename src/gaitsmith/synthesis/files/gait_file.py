@@ -34,6 +34,8 @@ def gait_document(gait: Gait) -> dict[str, Any]:
         {
             **{name: getattr(phase, name) for name in ("name", "duration", "support", "contact", "foothold")},
             "other_foothold": phase.other,
+            "height": phase.height,
+            "other_height": phase.other_height,
             "limits": [
                 {"quantity": item.quantity, "low": _finite_or_none(item.low), "high": _finite_or_none(item.high)}
                 for item in phase.limits

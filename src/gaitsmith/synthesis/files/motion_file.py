@@ -12,7 +12,7 @@ from pydantic import Field
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.files.gait_entries import Amount, Place, QuantityName, Range
+from gaitsmith.synthesis.files.gait_entries import Amount, Height, Place, QuantityName, Range
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State
@@ -38,6 +38,8 @@ class _PhaseText(Parameters):
     contact: Literal["air", "flat", "heel", "toe"]
     support_at: Place
     other_at: Place | None = None
+    support_height: Height = 0.0
+    other_height: Height = 0.0
     sections: Annotated[int, Field(ge=1, le=20)] = 1
     limits: dict[QuantityName, _Range] = Field(default_factory=dict)
 
@@ -117,7 +119,8 @@ def _standing(biped: Biped, height: float | None) -> Array:
 def _phase(item: _PhaseText) -> Phase:
     limits = tuple(value.limit(name) for name, value in item.limits.items())
     where = (item.support, item.contact, item.support_at, item.other_at)
-    return Phase(item.name, item.duration, *where, item.sections, limits)
+    heights = item.support_height, item.other_height
+    return Phase(item.name, item.duration, *where, item.sections, limits, *heights)
 
 
 def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:

@@ -42,12 +42,12 @@ class StateFinder:
         self._jacobian = np.zeros((6, robot.model.nv))
         self._rate = np.zeros((6, robot.model.nv))
 
-    def find(self, support: str, foothold: tuple[float, float], q: Array, v: Array, a: Array) -> FullState:
+    def find(self, support: str, foothold: tuple[float, ...], q: Array, v: Array, a: Array) -> FullState:
         """Full state with the support sole at ``foothold``, flat, its axes along the world's, standing still.
 
         Args:
             support: left or right.
-            foothold: (x, y) of the sole frame, m.
+            foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n,) joint angles, velocities and accelerations.
         """
         model, data, site = self.model, self.data, self._sites[support]
@@ -55,7 +55,7 @@ class StateFinder:
         data.qpos[7:] = q
         mujoco.mj_kinematics(model, data)
         turn = data.site_xmat[site].reshape(3, 3).T.copy()
-        data.qpos[:3] = np.array([*foothold, 0.0]) - turn @ data.site_xpos[site]
+        data.qpos[:3] = np.array([*foothold, 0.0][:3]) - turn @ data.site_xpos[site]
         mujoco.mju_mat2Quat(data.qpos[3:7], turn.ravel())
         data.qvel[:6] = 0.0
         data.qvel[6:] = v

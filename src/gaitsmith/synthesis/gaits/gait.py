@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.splines.polynomial import polynomial as polynomial
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Motion, Phase, State
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State
 
 Array = npt.NDArray[np.float64]
 CHANNELS = 12  # left force, left moment, right force, right moment
@@ -129,6 +129,7 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
     if held is None:
         raise ValueError(f"{before.motion.name} ends with the {side} foot in the air")
     dx, dy = held[0] - first.foothold[0], held[1] - flip * first.foothold[1]
+    dz = (last.height if side == last.support else last.other_height) - first.height
     final = before.pieces[-1][-1]
     dt = final.start + final.duration - gait.pieces[0][0].start
     phases = tuple(
@@ -137,7 +138,9 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
             support=phase.other_foot if mirror else phase.support,
             foothold=(phase.foothold[0] + dx, flip * phase.foothold[1] + dy),
             other=None if phase.other is None else (phase.other[0] + dx, flip * phase.other[1] + dy),
-            limits=(),
+            limits=tuple(_moved_limit(limit, (dx, dy, dz), flip) for limit in phase.limits),
+            height=phase.height + dz,
+            other_height=phase.other_height + dz,
         )
         for phase in gait.motion.phases
     )
@@ -152,20 +155,30 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
         pieces.append(tuple(moved))
-    conditions = tuple(_moved(item, (dx, dy), flip, partner, sign) for item in gait.motion.conditions)
+    conditions = tuple(_moved(item, (dx, dy, dz), flip, partner, sign) for item in gait.motion.conditions)
     return replace(gait, motion=replace(gait.motion, phases=phases, conditions=conditions), pieces=tuple(pieces))
 
 
 def _moved(
-    item: Condition, away: tuple[float, float], flip: float, partner: npt.NDArray[np.int64], sign: Array
+    item: Condition, away: tuple[float, float, float], flip: float, partner: npt.NDArray[np.int64], sign: Array
 ) -> Condition:
     """A condition in another place, and in the mirror image if ``flip`` is -1."""
     if isinstance(item, At):
-        part, axis, _ = QUANTITIES[item.quantity]
-        turned = axis != 1 if part in ("foot", "torso") else axis == 1  # roll and yaw, and y, change sign
-        value = item.value * (flip if turned else 1.0)
-        return replace(item, value=value + (away[axis] if part in _PLACES and axis < 2 else 0.0))
+        return replace(item, value=_moved_value(item.quantity, item.value, away, flip))
     if isinstance(item, State) and flip < 0.0:
         states = (item.position, item.velocity, item.acceleration)
         return State(item.border, *(None if values is None else values[partner] * sign for values in states))
     return item
+
+
+def _moved_value(quantity: str, value: float, away: tuple[float, float, float], flip: float) -> float:
+    part, axis, _ = QUANTITIES[quantity]
+    turned = axis != 1 if part in ("foot", "torso") else axis == 1  # roll and yaw, and y, change sign
+    return value * (flip if turned else 1.0) + (away[axis] if part in _PLACES else 0.0)
+
+
+def _moved_limit(limit: Limit, away: tuple[float, float, float], flip: float) -> Limit:
+    """Bounds in another place, and in the mirror image if ``flip`` is -1."""
+    return Limit(
+        limit.quantity, *sorted(_moved_value(limit.quantity, value, away, flip) for value in (limit.low, limit.high))
+    )

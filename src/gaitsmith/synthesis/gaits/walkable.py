@@ -150,9 +150,9 @@ def _frames(
         before = next((support for support in alone[index::-1] if support is not None), None)
         after = next((support for support in alone[index:] + again if support is not None), None)
         weights = [np.full(soles, 1.0 / soles) if k is None else np.eye(soles)[k] for k in (before, after)]
-        world[contact.support, :2] = phase.foothold
+        world[contact.support] = phase.stand
         if phase.other is not None:
-            world[1 - contact.support, :2] = phase.other
+            world[1 - contact.support] = (*phase.other, phase.other_height)
         standing = np.array(contact.bearing)[:, None]
         found.append((*weights, np.where(standing, world - world[contact.support], 0.0)))
     return found
@@ -164,10 +164,10 @@ def _described(
     """The table with what a run asks about the plan."""
     (first, first_pieces), (last, last_pieces) = row[0], row[-1]
     q, v, a = polynomial(first_pieces[0].joints, np.zeros(1), first_pieces[0].duration)[:, :, 0]
-    began = sections.finder.find(first.support, first.foothold, q, v, a)
+    began = sections.finder.find(first.support, first.stand, q, v, a)
     com = sections.finder.centre_of_mass()
     q, final, a = polynomial(last_pieces[-1].joints, np.ones(1), last_pieces[-1].duration)[:, :, 0]
-    sections.finder.find(last.support, last.foothold, q, final, a)
+    sections.finder.find(last.support, last.stand, q, final, a)
     travel = sections.finder.centre_of_mass() - com
     times = table.duration[table.sequence]
     duration = float(times.sum())

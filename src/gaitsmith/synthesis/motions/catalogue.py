@@ -32,6 +32,8 @@ class StepParameters:
         swing_split: share of the swing until the foot is at its highest.
         heel_strike: q_f, pitch of the front foot as it meets the ground, rad, toe up.
         shift: duration of the weight shift before the first and after the last step, s.
+        rise: of stairs, by which every step is higher, m; negative where they lead down.
+        base: height of the ground on which a walk on stairs begins, m.
     """
 
     length: float
@@ -44,6 +46,13 @@ class StepParameters:
     heel_strike: float = 0.15
     swing_split: float = 0.5
     shift: float = 0.6
+    rise: float = 0.0
+    base: float = 0.0
+
+    @property
+    def transfer(self) -> float:
+        """Duration of double support, s."""
+        return self.period * self.double_support
 
     @classmethod
     def sized(cls, leg: float, length: float, period: float, **given: float) -> StepParameters:
@@ -73,7 +82,7 @@ class KickParameters:
     durations: tuple[float, float, float, float, float, float] = (0.8, 0.6, 0.35, 0.3, 0.9, 0.8)
 
 
-def _record(kind: str, values: object) -> dict[str, float]:
+def record(kind: str, values: object) -> dict[str, float]:
     """Parameters as plain numbers."""
     found: dict[str, float] = {}
     for key, value in asdict(values).items():  # type: ignore[call-overload]
@@ -84,7 +93,7 @@ def _record(kind: str, values: object) -> dict[str, float]:
     return found
 
 
-def _sections(biped: Biped, duration: float, double: bool) -> int:
+def sections_of(biped: Biped, duration: float, double: bool) -> int:
     """Spline sections of a phase: short beside the time in which the robot falls, shorter where the chain is closed."""
     longest = (_DOUBLE if double else _SINGLE) * biped.fall_time
     return min(max(2 if double else 1, math.ceil(duration / longest)), _MOST)
@@ -93,7 +102,7 @@ def _sections(biped: Biped, duration: float, double: bool) -> int:
 def _swing(biped: Biped, step: StepParameters, support: Side, foothold: Point) -> list[Phase]:
     single = step.period * (1.0 - step.double_support)
     up, down = single * step.swing_split, single * (1.0 - step.swing_split)
-    sections = _sections(biped, 0.5 * single, False)
+    sections = sections_of(biped, 0.5 * single, False)
     return [
         Phase("swing up", up, support, "air", foothold, sections=sections),
         Phase("swing down", down, support, "air", foothold, sections=sections),
@@ -104,7 +113,7 @@ def _transfer(biped: Biped, step: StepParameters, support: Side, foothold: Point
     double = step.period * step.double_support
     heel, toe = double * step.heel_share, double * step.toe_share
     flat = double - heel - toe
-    counts = [_sections(biped, duration, True) for duration in (heel, flat, toe)]
+    counts = [sections_of(biped, duration, True) for duration in (heel, flat, toe)]
     return [
         Phase("heel", heel, support, "heel", foothold, landing, counts[0]),
         Phase("flat", flat, support, "flat", foothold, landing, counts[1]),
@@ -139,7 +148,7 @@ def cyclic(biped: Biped, step: StepParameters) -> Motion:
     if not biped.symmetric:
         phases += _swing(biped, step, "left", there) + _transfer(biped, step, "left", there, further)
         conditions += [*_apex(biped, step, 6), _strike(step, 7), _off(step, 10)]
-    return Motion("cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=_record("cyclic", step))
+    return Motion("cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=record("cyclic", step))
 
 
 def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Array, Array]) -> Motion:
@@ -165,7 +174,7 @@ def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Ar
         _strike(step, 8),
         State(11, *goal),
     )
-    return Motion("start", tuple(phases), conditions, parameters=_record("start", step))
+    return Motion("start", tuple(phases), conditions, parameters=record("start", step))
 
 
 def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Array, Array]) -> Motion:
@@ -183,7 +192,7 @@ def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Ar
         *_apex(biped, step, 6),
         State(8, rest, np.zeros_like(rest), np.zeros_like(rest)),
     )
-    return Motion("stop", tuple(phases), conditions, parameters=_record("stop", step))
+    return Motion("stop", tuple(phases), conditions, parameters=record("stop", step))
 
 
 def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
@@ -224,4 +233,4 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
         State(5, velocity=still),
         State(6, rest, still, still),
     )
-    return Motion("kick", phases, conditions, parameters=_record("kick", p))
+    return Motion("kick", phases, conditions, parameters=record("kick", p))

@@ -33,6 +33,14 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
 
 
 def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) -> None:
+    levels = {before.support: before.height, before.other_foot: before.other_height if before.double else None}
+    for key, foot, value in (
+        ("height", after.support, after.height),
+        ("other_height", after.other_foot, after.other_height),
+    ):
+        known = levels[foot] if key == "height" or after.double else None
+        if known is not None and abs(known - value) > _SAME:
+            raise BadInput(f"{field}.{key}", value, f"{known:g} m, where that foot stands before")
     if before.support != after.support and not (before.double and after.double):
         remedy = "the support changes between two phases with both feet on the ground"
         raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before", remedy)

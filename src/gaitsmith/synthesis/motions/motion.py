@@ -72,6 +72,8 @@ class Phase:
         other: (x, y) of the other sole when it lies flat there; None in the air.
         sections: spline sections.
         limits: bounds besides those that hold in every phase.
+        height: of the support sole, world, m.
+        other_height: of the ground under the other foot: where it stands, or what it may not go below in the air.
     """
 
     name: str
@@ -82,6 +84,18 @@ class Phase:
     other: tuple[float, float] | None = None
     sections: int = 1
     limits: tuple[Limit, ...] = ()
+    height: float = 0.0
+    other_height: float = 0.0
+
+    @property
+    def stand(self) -> tuple[float, float, float]:
+        """(x, y, z) of the support sole, world, m."""
+        return (*self.foothold, self.height)
+
+    @property
+    def rise(self) -> float:
+        """How much higher the ground under the other foot is than that under the support, m."""
+        return self.other_height - self.height
 
     @property
     def double(self) -> bool:

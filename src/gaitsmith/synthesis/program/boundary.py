@@ -52,7 +52,7 @@ def _close(rows: Rows, trans: Transcription, point: int, index: int, phase: Phas
     dx = phase.other[0] - phase.foothold[0] + pivot[0]
     dy = phase.side * (phase.other[1] - phase.foothold[1]) + pivot[1]
     label = Label(f"closure of the {phase.contact} foot", "m or rad", index, time, 1.0)
-    for axis, value in enumerate((dx, dy, 0.0)):
+    for axis, value in enumerate((dx, dy, phase.rise)):
         rows.add(label, value, value, {base + layout.pivot + axis: 1.0})
     for name in ("foot_roll", "foot_yaw") + (("foot_pitch",) if flat else ()):
         rows.add(label, 0.0, 0.0, {base + getattr(layout, name): 1.0})

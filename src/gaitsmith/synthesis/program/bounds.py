@@ -72,6 +72,10 @@ class PhaseBound:
     factor: float = 1.0
     power: int = 1
 
+    def free_at(self, start: bool, end: bool) -> bool:
+        """Whether it does not hold at an end of its phase: of a clearance, only where the foot lifts or lands."""
+        return self.interior and ((start and (self.lifts or not self.rise)) or (end and (self.lands or not self.rise)))
+
     def shown(self, value: float) -> float:
         """A value as reports show it: the angle where the form is a sine."""
         return shown(value, self.sine)
@@ -103,7 +107,7 @@ def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, floa
     part, axis, _ = QUANTITIES[quantity]
     if part in ("foot", "torso"):
         return {getattr(layout, quantity): 1.0 if axis == _PITCH else phase.side}, 0.0
-    origin, sign = ((phase.foothold[0], 1.0), (phase.foothold[1], phase.side), (0.0, 1.0))[axis]
+    origin, sign = ((phase.foothold[0], 1.0), (phase.foothold[1], phase.side), (phase.height, 1.0))[axis]
     if part == "hip":
         return {layout.hip_height: 1.0}, 0.0
     if part == "ankle velocity":
@@ -218,7 +222,7 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
     for x, y in biped.corners("flat", phase.other_foot).tolist():
         form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: phase.side * y}
         clear = PhaseBound(Kind.REQUEST, "swing clearance", "m", form, {}, 0.0, np.inf, length, interior=True)
-        found.append(replace(clear, rise=bounds.clearance, lifts=lifts, lands=lands))
+        found.append(replace(clear, constant=-phase.rise, rise=bounds.clearance, lifts=lifts, lands=lands))
     tilt = float(np.sin(bounds.foot_tilt))
     pitch = float(np.sin(bounds.foot_pitch))
     found.append(_sine("swing foot pitch", {layout.foot_pitch: 1.0}, -pitch, pitch, 2 * pitch))

@@ -185,6 +185,6 @@ def every_bound(trans: Transcription, points: Points) -> list[ImposedBound]:
         for k, bound in enumerate(trans.bounds[phase]):
             # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
             coned = is_cone(trans, bound) or (free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench)
-            if not (bound.interior and (start or end)) and not coned:
+            if not bound.free_at(start, end) and not coned:
                 found.append(ImposedBound(phase, k, time))
     return found

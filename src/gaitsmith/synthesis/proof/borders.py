@@ -90,7 +90,7 @@ def seams(gait: Gait, biped: Biped, finder: StateFinder, edges: list[tuple[FullS
         image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
         first = image.motion.phases[0]
         q, v, a = (values[:, 0] for values in image.joints(0, np.array([image.pieces[0][0].start])))
-        pairs.append((edges[-1][1], finder.find(first.support, first.foothold, q, v, a)))
+        pairs.append((edges[-1][1], finder.find(first.support, first.stand, q, v, a)))
     for end, begin in pairs:
         away = float(np.minimum(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
         angle = larger(np.abs(end.position[7:] - begin.position[7:]).max(), 2.0 * np.arccos(away))

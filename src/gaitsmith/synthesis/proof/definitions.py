@@ -215,11 +215,14 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
 
 
 def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
-    """Heights of the other sole's corners, m."""
+    """Heights of the other sole's corners above the ground under it, m."""
     centre = biped.pivot(phase)
     corners = biped.corners("flat", phase.other_foot).tolist()
     row = found.rotation[2]
-    return [found.pivot[2] + row[0] * (x - float(centre[0])) + row[1] * (y - float(centre[1])) for x, y in corners]
+    return [
+        found.pivot[2] - phase.other_height + row[0] * (x - float(centre[0])) + row[1] * (y - float(centre[1]))
+        for x, y in corners
+    ]
 
 
 def quantity(found: Measured, biped: Biped, phase: Phase, name: str) -> Any:

@@ -98,13 +98,13 @@ class EnclosedRobot:
         self.offset = {b: _matrix(model.body_quat[b]) for b in range(model.nbody)}
 
     def motions(
-        self, support: str, foothold: tuple[float, float], q: Taylor, v: Taylor, a: Taylor
+        self, support: str, foothold: tuple[float, ...], q: Taylor, v: Taylor, a: Taylor
     ) -> dict[int, BodyMotion]:
         """Motion of every body with a sole at ``foothold``, flat, its axes along the world's, standing still.
 
         Args:
             support: left or right.
-            foothold: (x, y) of the sole frame, m.
+            foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n, N) joint angles, velocities and accelerations.
         """
         model, count = self.model, q.shape[-1]
@@ -112,7 +112,7 @@ class EnclosedRobot:
         site = self.sites[support]
         root = int(model.site_bodyid[site])
         turn = _matrix(model.site_quat[site]).T
-        place = np.array([*foothold, 0.0]) - turn @ model.site_pos[site]
+        place = np.array([*foothold, 0.0][:3]) - turn @ model.site_pos[site]
         still = Taylor.constant(np.zeros(3), count)
         found = {
             root: BodyMotion(Taylor.constant(turn, count), Taylor.constant(place, count), still, still, still, still)

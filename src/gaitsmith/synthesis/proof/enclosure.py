@@ -85,7 +85,7 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
         wrench.put(mask, *_series(piece.wrench, middle, half), 1.0)
         middles[mask], spans[mask] = piece.start + middle * piece.duration, 2.0 * half * piece.duration
     states = q.taylor, v.taylor, a.taylor
-    motions = engine.motions(phase.support, phase.foothold, *states)
+    motions = engine.motions(phase.support, phase.stand, *states)
     both = {"left": (wrench.taylor[0:3], wrench.taylor[3:6]), "right": (wrench.taylor[6:9], wrench.taylor[9:12])}
     loads = engine.inertial(motions)
     residual = engine.residual(motions, loads, both, states, torque.taylor)
@@ -182,7 +182,7 @@ def _measured(
         assert phase.other is not None
         for x, y in biped.corners(phase.contact, phase.other_foot).tolist():
             place, speed, pull = point(np.array([x, y, 0.0]))
-            goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
+            goal = np.array([phase.other[0] + x, phase.other[1] + y, phase.other_height])
             contacts.append((place - goal[:, None], speed, pull))
     ankle, ankle_speed, _ = foot.point(np.zeros(3))
     share = np.zeros((DEGREE + 1, len(middles)))
@@ -194,7 +194,7 @@ def _measured(
     found = Measured(
         *(states[0], states[1], torque),
         *(force, moment, push, turn - cross(rotation.by(pivot), push)),
-        *(point(pivot)[0], rotation, torso.rotation, hip[2], ankle, ankle_speed),
+        *(point(pivot)[0], rotation, torso.rotation, hip[2] - phase.height, ankle, ankle_speed),
         profile=lambda lifts, lands: _profile(clock, lifts, lands),
     )
     return found, contacts

@@ -69,13 +69,13 @@ def measure(
     leg, robot, states = biped.leg(phase.other_foot), biped.robot, []
     heel = -leg.sole_rotation.T @ leg.sole_position
     for k in range(count):
-        states.append(finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k]))
+        states.append(finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k]))
         place, _, _, rotation, _, _ = finder.foot(phase.other_foot, pivot)
         rows["pivot"][:, k], rows["rotation"][..., k] = place, rotation
         rows["turn"][:, k] = other[3:, k] - np.cross(rotation @ pivot, other[:3, k])
         torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
         rows["torso"][..., k] = torso
-        rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2]
+        rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2] - phase.height
         rows["ankle"][:, k], rows["ankle_velocity"][:, k], *_ = finder.foot(phase.other_foot, heel)
         if phase.double:
             _closure(errors, biped, phase, finder)
@@ -96,7 +96,7 @@ def _closure(errors: Errors, biped: Biped, phase: Phase, finder: StateFinder) ->
     assert phase.other is not None
     for x, y in biped.corners(phase.contact, phase.other_foot):
         place, speed, pull, *_ = finder.foot(phase.other_foot, np.array([x, y, 0.0]))
-        goal = np.array([phase.other[0] + x, phase.other[1] + y, 0.0])
+        goal = np.array([phase.other[0] + x, phase.other[1] + y, phase.other_height])
         found = (1e3 * np.abs(place - goal).max(), np.abs(speed).max(), np.abs(pull).max())
         for name, error in zip(CLOSURE, found, strict=True):
             errors.closure[name] = larger(errors.closure[name], error)

@@ -1,4 +1,4 @@
-"""Phase times and foot pitches of a step left free: a pattern search over them, every plan started from the best one."""
+"""Phase times and foot pitches of a step left free: a pattern search, every plan started from the best one."""
 
 from __future__ import annotations
 

@@ -17,14 +17,15 @@ from gaitsmith.synthesis.motions.biped import REST, standing
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
 from gaitsmith.synthesis.motions.motion import Condition, Motion, Same
 from gaitsmith.synthesis.motions.settings import LEG, Settings
-from gaitsmith.synthesis.solution.certificate import mirrored_entry
+from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
 from gaitsmith.synthesis.requests.free_times import freed
+from gaitsmith.synthesis.solution.certificate import mirrored_entry
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 
 Array = npt.NDArray[np.float64]
-Kind = Literal["cyclic", "start", "stop", "walk", "kick"]
-KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick")
+Kind = Literal["cyclic", "start", "stop", "walk", "kick", "stairs"]
+KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick", "stairs")
 RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
 KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
@@ -158,14 +159,18 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
+    if request.kind == "stairs":
+        check_stairs(biped, request.step)
+        cycle = run(stairs_cycle(biped, request.step), request.settings.sized(biped, request.step.transfer))
+        return _ends(planner, request, run, results, cycle, rest)
     step, periods = request.step, []
-    cycle = run(cyclic(biped, step), request.settings.sized(biped, step.period))
+    cycle = run(cyclic(biped, step), request.settings.sized(biped, step.transfer))
     while request.faster and cycle.gait is None and _FASTER * step.period > _FASTEST * biped.fall_time:
         periods.append(step.period)
         step = replace(step, period=_FASTER * step.period, length=_FASTER * step.length)
-        cycle = run(cyclic(biped, step), request.settings.sized(biped, step.period))
+        cycle = run(cyclic(biped, step), request.settings.sized(biped, step.transfer))
     if request.free_times and cycle.gait is not None:
-        chosen = request.settings.sized(biped, step.period)
+        chosen = request.settings.sized(biped, step.transfer)
         step, cycle = freed(step, cycle, lambda tried, best: run(cyclic(biped, tried), chosen, best))
         results["cyclic"] = cycle
     return replace(_ends(planner, replace(request, step=step), run, results, cycle, rest), periods=tuple(periods))
@@ -180,15 +185,17 @@ def _ends(
     rest: Array,
 ) -> Answer:
     """What a request wants beside the cyclic gait: a start, a stop, or both."""
-    biped, settings = planner.biped, request.settings.sized(planner.biped, request.step.period)
+    biped, settings = planner.biped, request.settings.sized(planner.biped, request.step.transfer)
     if request.kind == "cyclic" or cycle.gait is None:
         return Answer(results, cycle.gait)
     q, v, a = cycle.gait.joints(0, np.array([0.0]))
     state = (q[biped.index, 0], v[biped.index, 0], a[biped.index, 0])
-    begin = run(start(biped, request.step, rest, state), settings) if request.kind in ("start", "walk") else None
+    first, last = (stairs_start, stairs_stop) if request.kind == "stairs" else (start, stop)
+    wanted = request.kind in ("start", "walk", "stairs")
+    begin = run(first(biped, request.step, rest, state), settings) if wanted else None
     if begin is not None and (begin.gait is None or request.kind == "start"):
         return Answer(results, begin.gait)
-    end = run(stop(biped, request.step, rest, state), settings)
+    end = run(last(biped, request.step, rest, state), settings)
     if request.kind == "stop" or begin is None or end.gait is None or begin.gait is None:
         return Answer(results, end.gait)
     return Answer(results, _joined(planner, request, begin, cycle, end))
@@ -240,7 +247,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     ranked = sorted(worst.values(), key=lambda item: -float(item["violation"]))
     return replace(
         begin.gait,
-        motion=Motion("walk", phases, tuple(conditions), False, parameters),
+        motion=Motion("stairs" if request.kind == "stairs" else "walk", phases, tuple(conditions), False, parameters),
         pieces=pieces,
         solver=solver,
         certificate=begin.gait.certificate

@@ -36,7 +36,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
         [
             item.other[0] - item.foothold[0] + trans.pivots[phase][0],
             item.side * (item.other[1] - item.foothold[1]) + trans.pivots[phase][1],
-            0.0,
+            item.rise,
         ]
     )
     leg = trans.biped.leg_joints("left")

@@ -60,7 +60,7 @@ def _resting(trans: Transcription, neighbour: int, phase: Phase, quantity: str) 
         return None
     layout, leg = trans.layout, trans.biped.leg(phase.other_foot)
     o = np.zeros(layout.outputs)
-    origin = np.array([place[0] - phase.foothold[0], phase.side * (place[1] - phase.foothold[1]), 0.0])
+    origin = np.array([place[0] - phase.foothold[0], phase.side * (place[1] - phase.foothold[1]), phase.rise])
     ankle = -leg.sole_rotation.T @ leg.sole_position * (1.0, phase.side, 1.0)
     o[layout.pivot : layout.pivot + 3], o[layout.ankle : layout.ankle + 3] = origin, origin + ankle
     o[layout.foot_forward] = 1.0

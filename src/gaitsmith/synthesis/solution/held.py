@@ -57,7 +57,7 @@ def with_held(biped: Biped, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Pi
         wrench, none = chebyshev(piece.wrench, nodes), np.zeros(len(biped.home))
         loads = []
         for k in range(_SAMPLES):
-            finder.find(phase.support, phase.foothold, q[:, k], v[:, k], a[:, k])
+            finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k])
             loads.append(finder.residual(none, wrench[:, k])[6 + biped.held])
         series = np.array(loads).T @ to_series
         torque = np.zeros((len(biped.home), max(series.shape[1], piece.torque.shape[1])))
