@@ -164,14 +164,15 @@ def _moved(
 ) -> Condition:
     """A condition in another place, and in the mirror image if ``flip`` is -1."""
     if isinstance(item, At):
-        return replace(item, value=_moved_value(item.quantity, item.value, away, flip))
+        return replace(item, value=moved_value(item.quantity, item.value, away, flip))
     if isinstance(item, State) and flip < 0.0:
         states = (item.position, item.velocity, item.acceleration)
         return State(item.border, *(None if values is None else values[partner] * sign for values in states))
     return item
 
 
-def _moved_value(quantity: str, value: float, away: tuple[float, float, float], flip: float) -> float:
+def moved_value(quantity: str, value: float, away: tuple[float, float, float], flip: float) -> float:
+    """A quantity's value in another place, and in the mirror image if ``flip`` is -1."""
     part, axis, _ = QUANTITIES[quantity]
     turned = axis != 1 if part in ("foot", "torso") else axis == 1  # roll and yaw, and y, change sign
     return value * (flip if turned else 1.0) + (away[axis] if part in _PLACES else 0.0)
@@ -180,5 +181,5 @@ def _moved_value(quantity: str, value: float, away: tuple[float, float, float], 
 def _moved_limit(limit: Limit, away: tuple[float, float, float], flip: float) -> Limit:
     """Bounds in another place, and in the mirror image if ``flip`` is -1."""
     return Limit(
-        limit.quantity, *sorted(_moved_value(limit.quantity, value, away, flip) for value in (limit.low, limit.high))
+        limit.quantity, *sorted(moved_value(limit.quantity, value, away, flip) for value in (limit.low, limit.high))
     )

@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.files.motion_file import read_motion
-from gaitsmith.synthesis.gaits.gait import Gait, follow
+from gaitsmith.synthesis.gaits.gait import Gait, follow, moved_value
 from gaitsmith.synthesis.motions.biped import REST, standing
 from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
-from gaitsmith.synthesis.motions.motion import Condition, Motion, Same
+from gaitsmith.synthesis.motions.motion import QUANTITIES, Condition, Motion, Same
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
 from gaitsmith.synthesis.requests.free_times import freed
@@ -31,6 +31,7 @@ KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
 KICK_FRICTION = 0.45  # leaves the plant's friction of 0.5 and more some room
 _AGREE = 1e-6  # m
+_ENDS = ("value", "limit")  # of an entry of the certificate, with a place in the world
 _FASTER = 0.7  # of a period at which there is no gait: the next one that is tried
 _FASTEST = 1.2  # times the square root of leg over gravity: no shorter period is tried
 _SHORTEST, _LONGER = 0.12, 0.2  # m, and m for every m/s: steps of the paper's two gaits, of a leg of LEG
@@ -219,24 +220,31 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     assert cycle.gait is not None
     assert end.gait is not None
     partner, sign = planner.biped.whole.partner, planner.biped.whole.sign
-    gaits, mirrored = [begin.gait], cycle.gait.motion.mirrored
+    gaits, sources, mirrored = [begin.gait], [begin.gait], cycle.gait.motion.mirrored
     if request.cycles % cycle.gait.motion.steps:
         raise BadInput("--cycles", request.cycles, "an even number of steps: this robot's left and right ones differ")
     for step in range(request.cycles // cycle.gait.motion.steps):
         gaits.append(follow(gaits[-1], cycle.gait, mirrored and step % 2 == 1, partner, sign))
+        sources.append(cycle.gait)
     gaits.append(follow(gaits[-1], end.gait, mirrored and request.cycles % 2 == 1, partner, sign))
+    sources.append(end.gait)
     phases = tuple(phase for gait in gaits for phase in gait.motion.phases)
     pieces = tuple(group for gait in gaits for group in gait.pieces)
     parameters = cycle.gait.motion.parameters | {"cycles": float(request.cycles)}
     conditions: list[Condition] = []
     worst: dict[str, dict[str, Any]] = {}
     borders = 0
-    for gait in gaits:
+    for gait, source in zip(gaits, sources, strict=True):
+        away = gait.motion.phases[0].stand[0] - source.motion.phases[0].stand[0]
+        climb = gait.motion.phases[0].height - source.motion.phases[0].height
         first, mirror = gait.pieces[0][0].start, gait.motion.phases[0].support != "right"
         conditions += [_later(item, borders) for item in gait.motion.conditions]
         borders += len(gait.motion.phases)
         for item in gait.certificate["worst"]:
             moved = (mirrored_entry(item, planner.biped.whole) if mirror else item) | {"time": item["time"] + first}
+            if moved["constraint"] in QUANTITIES:
+                ends = ((key, moved_value(moved["constraint"], moved[key], (away, 0.0, climb), 1.0)) for key in _ENDS)
+                moved |= dict(ends)
             if moved["constraint"] not in worst or moved["violation"] > worst[moved["constraint"]]["violation"]:
                 worst[moved["constraint"]] = moved
     solver = {
