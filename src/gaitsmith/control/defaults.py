@@ -21,7 +21,7 @@ from gaitsmith.robots import Robot
 from gaitsmith.robots.presets import ControlParameters
 
 _ATTITUDE, _ATTITUDE_RATIO = 12.0, 0.9  # ω², damping ratio
-_TRACKING = 18.0  # ω², critically damped
+_TRACKING, _SWING = 18.0, 36.0  # ω², critically damped: joints, the swing foot
 _STANDING = (2.0, 2.7)  # ω², ω
 _OTHER_JOINTS = (9.0, 6.0)  # ω², ω
 
@@ -93,7 +93,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
     z, rate, speed, torque, weight = scale.height, scale.rate, scale.speed, scale.torque, scale.weight
     angular = (z / 0.6) ** 2
     stiffness, damping = _ATTITUDE * rate**2, 2.0 * _ATTITUDE_RATIO * math.sqrt(_ATTITUDE) * rate
-    tracking = (_TRACKING * rate**2, 2.0 * math.sqrt(_TRACKING) * rate)
+    tracking, swing = ((gain * rate**2, 2.0 * math.sqrt(gain) * rate) for gain in (_TRACKING, _SWING))
     none: dict[str, Any] = dict.fromkeys(("swing_stiffness", "swing_damping", "stance_stiffness", "stance_damping"), ())
     return {
         "foothold": {
@@ -103,8 +103,8 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "prediction": 1.0,
             "mean_speed": 1.0,
             "sway": 1.0,
-            "reach": 0.6 * z,
-            "spread": 0.5 * z,
+            "reach": 0.66 * z,
+            "spread": 0.67 * z,
             "separation": max(2.0 * scale.half_width + 0.02 * z, 1.3 * scale.width),
         },
         "speed": {
@@ -125,8 +125,8 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
         "tracking": {
             "joint_stiffness": tracking[0],
             "joint_damping": tracking[1],
-            "foot_stiffness": tracking[0],
-            "foot_damping": tracking[1],
+            "foot_stiffness": swing[0],
+            "foot_damping": swing[1],
         },
         "standing": {
             "com_stiffness": _STANDING[0] * rate**2,
@@ -141,7 +141,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
         "weights": {
             "stance_linear": 100.0,
             "stance_angular": 10.0 * angular,
-            "swing_foot": 1.0,
+            "swing_foot": 5.0,
             "attitude": 10.0 * angular,
             "yaw": 10.0 * angular,
             "knee": 10.0 * angular,

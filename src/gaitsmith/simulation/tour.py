@@ -209,12 +209,11 @@ class Guide:
         self._error = np.array([math.hypot(*away), abs(turn)])
         self._reached = self._error < np.where(self._reached, _LEFT_AGAIN, _REACHED)
         speed = np.zeros(2) if self._reached[0] else _GAIN * _rotated(away, -pose[2])
-        speed *= min(1.0, limits.forward / max(float(np.hypot(*speed)), 1e-9))
-        side = min(max(speed[1], -limits.lateral), limits.lateral)
+        ahead, side = np.clip(speed, *np.outer((-1.0, 1.0), (limits.forward, limits.lateral))).tolist()
         rate = 0.0 if self._reached[1] else min(max(_GAIN * turn, -limits.yaw_rate), limits.yaw_rate)
-        # Turning and stepping sideways at once brings the feet together: neither at its limit then.
-        both = ((side / limits.lateral) ** 4 + (rate / limits.yaw_rate if rate else 0.0) ** 4) ** 0.25
-        return {"speed": (float(speed[0]), float(side) / max(both, 1.0)), "yaw_rate": rate / max(both, 1.0)}
+        # Turning and stepping sideways at once brings the feet together: neither quite at its limit then.
+        both = ((side / limits.lateral) ** 6 + (rate / limits.yaw_rate if rate else 0.0) ** 6) ** (1.0 / 6.0)
+        return {"speed": (ahead, side / max(both, 1.0)), "yaw_rate": rate / max(both, 1.0)}
 
     def observe(self, tick: int) -> bool:
         """Count the mechanical work of the joints; never ends the run."""
