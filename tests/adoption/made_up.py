@@ -21,8 +21,8 @@ class MadeUp:
         reversed_joints: roles whose axes point the other way; their ranges follow.
         turned: rad, of everything about the vertical inside the root body.
         waist: joints between the root, then the upper body, and the pelvis.
-        sole: box, stilt (a box far below), trapezoid (four balls), line (one capsule), ball, wheel, paired (a box that only a scene lets
-            collide), or none.
+        sole: box, stilt (a box far below), trapezoid (four balls), line (one capsule), ball, wheel, paired (a box
+            that only a scene lets collide), or none.
         toes: whether a toe joint with a shape of its own follows.
         bend: rad, of the zero pose's knees; the feet tilt with it.
         floating: whether the file has a free joint.
