@@ -28,14 +28,14 @@ class Steered:
         return self.session.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def steered(tmp_path_factory) -> Iterator[Steered]:
     made = Steered(tmp_path_factory.mktemp("runs"))
     yield made
     made.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def fallen(tmp_path_factory):
     """Folder of a run of 3 s that a push at 2 s has ended."""
     bench = Bench(tmp_path_factory.mktemp("runs"), robot="bhr_b2", speed=[0.3, 0.0])

@@ -30,7 +30,7 @@ def browser():
 
 @pytest.fixture(scope="module")
 def tab(browser, steered):
-    page = browser.new_page(viewport={"width": 1100, "height": 620}, device_scale_factor=0.5)
+    page = browser.new_page(viewport={"width": 1000, "height": 560}, device_scale_factor=0.5)
     page.set_default_timeout(PATIENCE)
     page.errors = []
     page.on("pageerror", lambda error: page.errors.append(str(error)))
@@ -116,7 +116,7 @@ def test_it_pauses_and_goes_on_slowly(tab, steered):
 
 
 def test_a_second_tab_and_a_reload_show_the_same_gait(tab, browser, steered):
-    second = browser.new_page(viewport={"width": 700, "height": 500}, device_scale_factor=0.4)
+    second = browser.new_page(viewport={"width": 600, "height": 300}, device_scale_factor=0.3)
     second.goto(steered.address)
     second.get_by_text("Walking", exact=True).wait_for(timeout=PATIENCE)
     second.close()
@@ -129,7 +129,7 @@ def test_a_second_tab_and_a_reload_show_the_same_gait(tab, browser, steered):
 
 def test_the_replay_of_a_fall_marks_it_and_says_why(browser, pictures, fallen):
     replay = Replay(Run(str(fallen)), "127.0.0.1", 0)
-    tab = browser.new_page(viewport={"width": 1100, "height": 620}, device_scale_factor=0.5)
+    tab = browser.new_page(viewport={"width": 1000, "height": 560}, device_scale_factor=0.5)
     tab.set_default_timeout(PATIENCE)
     tab.goto(replay.address)
     tab.get_by_text("event ▶", exact=True).wait_for()

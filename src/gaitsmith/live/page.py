@@ -140,7 +140,7 @@ class Page:
         """The state of the walk, as HTML."""
         frame, words = self.frame, self.words
         fall = words.get("fall")
-        title, colour = ("Walking", "#3caf5a") if frame["live.walks"] else ("Standing", "#2d7dd2")
+        title, colour = ("Walking", "#3caf5a") if frame["mode"] > 0.0 else ("Standing", "#2d7dd2")
         if frame["live.over"]:
             title, colour = (f"Fell at {fall['time']:.2f} s", "#d62828") if fall else ("Ended", "#8a94a3")
         elif frame["live.paused"]:

@@ -25,6 +25,7 @@ class Pose:
     Attributes:
         body_position: (nbody, 3) views that :meth:`take` changes.
         body_quaternion: (nbody, 4) w x y z.
+        torso_centre: (3,) centre of mass of the torso; a view.
         soles: of both legs, (k, 3) corners.
         sole_position: (2, 3) sole frames.
         bears: of both legs, whether the sole does.
@@ -39,6 +40,7 @@ class Pose:
         self._robot, self._data = robot, mujoco.MjData(robot.model)
         self.body_position, self.body_quaternion = self._data.xpos, self._data.xquat
         self._outlines = [np.column_stack([leg.sole.corners, np.zeros(len(leg.sole.corners))]) for leg in robot.legs]
+        self.torso_centre = self._data.xipos[robot.torso_body]
         self.soles = [outline.copy() for outline in self._outlines]
         self.sole_position = np.zeros((len(robot.legs), 3))
         self.bears = [False] * len(robot.legs)

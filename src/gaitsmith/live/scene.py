@@ -38,6 +38,7 @@ _LIFTED = np.array([0.0, 0.0, _ABOVE])
 _SEE_THROUGH = 0.45
 _STEPS = 24  # footprints that stay
 _TRAIL = 1.5  # s of a foot's way that stay
+_CLEAR = 0.3  # of the hips' height that a push's arrow ends before the torso's centre
 _PUSH_SEEN = 0.5  # s for which a push stays to be seen
 
 
@@ -266,9 +267,9 @@ class Scene:
         size = float(np.linalg.norm(force))
         arrow = None
         if self._time - began <= _PUSH_SEEN and size > 0.0:
-            tip = pose.body_position[self._robot.torso_body] - about
-            length = self.size * min(0.25 + 0.5 * size / self._weight, 1.2)
-            arrow = np.array([[tip - length * force / size, tip]])
+            way, length = force / size, self.size * min(0.3 + 0.5 * size / self._weight, 1.2)
+            tip = pose.torso_centre - about - _CLEAR * self.size * way
+            arrow = np.array([[tip - length * way, tip]])
         _place(self._push, arrow)
 
     def _draw_support(self, ground: float) -> None:

@@ -82,7 +82,7 @@ class Server:
     def set_camera(self, size: float) -> None:
         """Where a browser looks from at first: at a robot of this height of the hips, m, at the origin."""
         camera = self._viser.initial_camera
-        camera.position, camera.look_at = (1.9 * size, -3.0 * size, 1.7 * size), (0.1 * size, 0.0, 0.75 * size)
+        camera.position, camera.look_at = (2.3 * size, -3.8 * size, 2.2 * size), (0.1 * size, 0.0, 0.85 * size)
         camera.fov, camera.near, camera.far = 0.75, 0.02 * size, 200.0
 
     def run_in_browsers(self, script: str) -> None:
