@@ -88,16 +88,16 @@ def faults(state: str, values: tuple[float, ...]) -> st.SearchStrategy[Any]:
 @settings(max_examples=40)
 @given(data=st.data())
 def test_missing_readings(state: str, data: st.DataObject) -> None:
-    """NaN and infinity are counted, the torque is held and fades, and the walk goes on."""
+    """NaN and infinity are counted and replaced, and the walk goes on as if nothing had been."""
     chosen = data.draw(faults(state, MISSING))
     torques, walk = run(state, chosen)
     assert_bounded(torques, walk)
     assert_recovered(walk)
-    assert walk.groups.control.refused_ticks[0] == len({fault[0] for fault in chosen})
-    assert np.max(np.abs(walk.controller.telemetry.tilt[:2])) < 0.3
+    assert walk.groups.control.refused_ticks[0] >= len({fault[0] for fault in chosen})
+    assert np.max(np.abs(walk.controller.telemetry.tilt[:2])) < 0.05
     seen = {(fault[0], fault[1]) for fault in chosen}
     for name, count in zip(Measurement._fields, walk.groups.control.refused, strict=True):
-        assert count == len([tick for tick, field in seen if field == name])
+        assert count >= len([tick for tick, field in seen if field == name])
 
 
 @states
@@ -119,20 +119,26 @@ def test_absurd_readings_are_forgotten(state: str) -> None:
             assert_recovered(walk)
 
 
-def test_the_torque_that_is_held_fades() -> None:
-    """Without a usable measurement the last torque decays, within half a second to nothing."""
-    walk = restart("true")
+@states
+def test_what_cannot_be_done_without_ends_in_braking(state: str) -> None:
+    """With every reading lost the model stands in for a time; then the joints are braked until told to go on."""
+    walk = restart(state)
     for _ in range(50):
         walk.step()
-    last = walk.controller.tick().copy()
-    measurement = walk.controller.measurement
-    measurement.joint_position[2] = np.nan
-    for _ in range(500):
-        torque = walk.controller.tick().copy()
-        assert (np.abs(torque) <= np.abs(last)).all()
-        last = torque
-    assert np.max(np.abs(last)) < 0.01
-    assert walk.groups.control.refused_ticks[0] == 500
+    measurement, torques, states_seen = walk.controller.measurement, [], []
+    for _ in range(1500):
+        for array in measurement:
+            array[:] = np.nan
+        torques.append(walk.controller.tick().copy())
+        states_seen.append(walk.controller.state)
+    assert_bounded(np.array(torques), walk)
+    assert states_seen[0] != "fault"
+    assert states_seen[-1] == "fault"
+    assert walk.controller.telemetry.reading_lost[0] >= 0.0
+    walk.controller.stand()
+    walk.plant.measure(measurement)
+    walk.controller.tick()
+    assert walk.controller.state != "fault"
 
 
 @states

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gaitsmith.simulation.summary import Fall, QpCounts, Stage, StageCommand, Summary, TickTimes
+from gaitsmith.simulation.fall import Fall
+from gaitsmith.simulation.summary import QpCounts, Stage, StageCommand, Summary, TickTimes
 
 REASON = (
     "the torso tilted by more than 60 degrees; first limit hit: torque of left_knee saturated, at 4.9 s; then others"

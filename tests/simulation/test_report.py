@@ -16,9 +16,11 @@ from gaitsmith.simulation.report import explain
 from gaitsmith.whole_body.legs import edge_table
 
 DT = 1e-3
-KNEE, FRICTION, LEGS = 0, 7, 9  # places of three limits for one joint and two soles
+KNEE, FRICTION, LEGS = 0, 12, 14  # places of three limits for one joint and two soles
 NO_EDGE = (np.zeros(2, dtype=np.int64), np.zeros((2, 1, 3)))
-BOUNDS = Bounds(*(np.zeros(2) for _ in range(4)), *NO_EDGE, reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, dt=DT)
+BOUNDS = Bounds(
+    *(np.zeros(2) for _ in range(4)), *NO_EDGE, reach=0.0, spread=0.0, zmp_margin=0.0, friction=0.0, contact=0.0, dt=DT
+)
 
 
 def _seen() -> Seen:
@@ -85,15 +87,19 @@ def test_standing_undisturbed_for_a_step_forgets():
 
 
 def _monitor(hits: list[tuple[str, int]]) -> SimpleNamespace:
-    return SimpleNamespace(ticks=5001, dt=DT, state=TILTED, hits=lambda: hits)
+    dated = [(name, tick * DT) for name, tick in hits]
+    return SimpleNamespace(state=TILTED, dated_hits=lambda time: dated)
 
 
 def test_the_reason_names_the_first_limit_and_three_more():
     hits = [(name, 1000 * k) for k, name in enumerate("abcde", 1)]
-    reason = explain(_monitor(hits), 5.0, "standing", {"gyro": 2, "knee": 0}).reason  # type: ignore[arg-type]
+    fall = explain(_monitor(hits), 5.0, "standing", {"gyro": 2, "knee": 0}, "a push")  # type: ignore[arg-type]
+    reason = fall.reason
+    assert (fall.cause.what, fall.cause.confirmed) == ("a push", None)
     assert "; first limit hit: a, at 1.000 s; then b at 2.000 s, c at 3.000 s, d at 4.000 s" in reason
-    assert reason.endswith("ticks with unusable readings: 2 of gyro")
-    assert "no limit was hit in the last step" in explain(_monitor([]), 5.0, "standing", {}).reason  # type: ignore[arg-type]
+    assert reason.endswith("ticks with replaced readings: 2 of gyro")
+    fall = explain(_monitor([]), 5.0, "standing", {}, "")  # type: ignore[arg-type]
+    assert "no limit was hit in the last step" in fall.reason
 
 
 def test_the_sides_of_a_sole_are_edges_and_a_line_has_none():

@@ -90,3 +90,31 @@ def test_other_names_are_refused_in_one_line(name):
     with pytest.raises(BadInput, match="expected flat, slope:DEGREES") as caught:
         parse_terrain(name)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("degrees", [-8.0, 5.0])
+def test_a_slope_across_contains_the_path(degrees):
+    level, tilted = parse_terrain(f"cross:{degrees}").blocks(Region())
+    up = np.array([0.0, -math.sin(tilted.roll), math.cos(tilted.roll)])
+    top = np.array(tilted.centre) + tilted.half_size[2] * up
+    assert top @ up == pytest.approx(0.0, abs=1e-9)
+    assert level.centre[2] + level.half_size[2] == 0.0
+    assert parse_terrain(f"cross:{degrees}").height(2.0, 0.5) == pytest.approx(0.5 * math.tan(math.radians(degrees)))
+
+
+def test_ice_is_a_patch_of_level_ground():
+    before, ice, after = parse_terrain("ice:0.15,1,2").blocks(Region())
+    assert (before.friction, ice.friction, after.friction) == (None, 0.15, None)
+    edges = [
+        (block.centre[0] - block.half_size[0], block.centre[0] + block.half_size[0]) for block in (before, ice, after)
+    ]
+    assert edges[0][1] == edges[1][0] == 1.0
+    assert edges[1][1] == edges[2][0] == 3.0
+
+
+@pytest.mark.parametrize(
+    "name", ["cross:40", "cross:", "ice:0.1", "ice:0.1,1", "ice:9,1,1", "ice:0.1,0,1", "slope:1,2"]
+)
+def test_ground_that_is_not_valid(name):
+    with pytest.raises(BadInput):
+        parse_terrain(name)

@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, create_model
 
-from gaitsmith.documents import About, Frozen, about, checked, nearest, plain, span
+from gaitsmith.documents import About, Frozen, Worded, about, checked, nearest, plain, span
 from gaitsmith.errors import BadInput
 
 _NUMBER = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
@@ -109,7 +109,9 @@ class _Option:
             return next((item for item in get_args(self.kind) if str(item) == word), word)
         if not word.strip() or "\0" in word:
             raise BadInput(self.word, word, f"{self.usage}, a word that is not empty")
-        return self._compact(word) if issubclass(self.kind, BaseModel) else _number(self.kind, word)
+        if not issubclass(self.kind, BaseModel):
+            return _number(self.kind, word)
+        return word if issubclass(self.kind, Worded) else self._compact(word)
 
     def _compact(self, word: str) -> dict[str, Any]:
         """A table whose required entries are numbers, written with commas."""

@@ -12,13 +12,22 @@ from pydantic import create_model
 from gaitsmith.cli.arguments import Arguments, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome, Table
 from gaitsmith.documents import Frozen
-from gaitsmith.experiments.options import BatteryOptions, PushOptions, TickOptions, TourOptions
+from gaitsmith.experiments.options import (
+    BatteryOptions,
+    FallOptions,
+    FaultOptions,
+    PushOptions,
+    TickOptions,
+    TourOptions,
+)
 from gaitsmith.files import uninterrupted
 
 _EXPERIMENTS: dict[str, tuple[type[Frozen], str]] = {
     "tick": (TickOptions, "measure_tick"),
     "push": (PushOptions, "push_grids"),
     "battery": (BatteryOptions, "run_battery"),
+    "falls": (FallOptions, "run_falls"),
+    "faults": (FaultOptions, "run_faults"),
     "tour": (TourOptions, "run_tour"),
 }
 

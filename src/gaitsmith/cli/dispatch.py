@@ -86,6 +86,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("report",): Command("gaitsmith.cli.show", "report", "a run as one HTML page that opens anywhere"),
     ("plot",): Command("gaitsmith.cli.show", "plot", "figures of a run, PNG and SVG"),
     ("video",): Command("gaitsmith.cli.show", "video", "a run as a film"),
+    ("why",): Command("gaitsmith.cli.why", "why", "why a robot fell: the run again, without what may have caused it"),
     ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
     ("live",): Command("gaitsmith.cli.live", "live", "a page to watch and steer a walk, or to replay a recorded run"),
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
@@ -98,6 +99,10 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("bench", "tick"): Command("gaitsmith.cli.bench", "bench", "time of one control tick"),
     ("bench", "push"): Command("gaitsmith.cli.bench", "bench", "pushes in all directions and phases"),
     ("bench", "battery"): Command("gaitsmith.cli.bench", "bench", "speeds, heights, slopes, boxes, noise"),
+    ("bench", "falls"): Command(
+        "gaitsmith.cli.bench", "bench", "falls of known cause, and whether the report names it"
+    ),
+    ("bench", "faults"): Command("gaitsmith.cli.bench", "bench", "sensors, motors and ticks that fail"),
     ("bench", "tour"): Command("gaitsmith.cli.bench", "bench", "the public teleoperation test: waypoints and punches"),
 }
 

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from gaitsmith.simulation import Summary
     from gaitsmith.simulation.summary import Stage, Tracking
 
+_SHOWN_FAULTS = 12
+
 
 def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text]:
     """Stages, torques against limits, times, and what went wrong."""
@@ -27,6 +29,8 @@ def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text
     if summary.fall is not None:
         fall = summary.fall
         yield Styled(f"FELL at {fall.time:.2f} s, {fall.phase}: {fall.reason}", "bold red")
+        if fall.cause is not None:
+            yield f"likeliest cause: {fall.cause.what}" + (f"; gaitsmith why {folder} tests it" if folder else "")
     if summary.interrupted:
         yield Styled(f"interrupted after {summary.duration:.2f} s", "bold yellow")
     if folder is not None:
@@ -84,9 +88,12 @@ def closing_lines(summary: Summary) -> list[str]:
         lines += tracking_lines(summary.tracking)
     if summary.log is not None:
         lines.append(f"log: {summary.log.rows} rows, {summary.log.dropped} dropped")
+    lines += [f"{f.time:.3f} s: {f.component}, {f.type}: {f.reaction}" for f in summary.faults[:_SHOWN_FAULTS]]
+    if len(summary.faults) > _SHOWN_FAULTS:
+        lines.append(f"{len(summary.faults) - _SHOWN_FAULTS} more faults in the summary")
     refused = ", ".join(f"{count} of {sensor}" for sensor, count in summary.refused.items() if count)
     if refused:
-        lines.append(f"ticks with unusable readings: {refused}")
+        lines.append(f"ticks with replaced readings: {refused}")
     return lines + [f"physics engine: {warning}" for warning in summary.warnings]
 
 

@@ -19,6 +19,7 @@ from gaitsmith.dynamics.tree import read_tree
 from gaitsmith.errors import BadInput
 from gaitsmith.estimation.estimator import Estimation, make_estimator_gains, make_estimator_state
 from gaitsmith.estimation.measurement import Measurement, make_measurement
+from gaitsmith.estimation.readings import Checking, make_readings
 from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
 from gaitsmith.planned.clock import PlanClock
 from gaitsmith.planned.law import FollowParameters, make_following, restart_following
@@ -236,6 +237,14 @@ class Controller:
         self._g.control.asked[0] = OFF
         self._g.template.step.walk_requested[0] = 0
 
+    def missed(self, ticks: int) -> None:
+        """Say that this many ticks could not be done in time; after too many in a row the joints are braked.
+
+        Args:
+            ticks: since the last one, 0 or more.
+        """
+        self._g.checking.readings.late[0] = ticks
+
     def tick(self, measurement: Measurement | None = None) -> npt.NDArray[np.float64]:
         """Advance by one control period.
 
@@ -262,6 +271,8 @@ def _memory(g: Tick) -> list[Any]:
             template.chains,
             template.inverse_program,
             g.control,
+            g.checking.readings,
+            g.checking.expected,
             g.estimation.state,
             g.reference,
         ),
@@ -287,6 +298,9 @@ def _make_view(
     whole_body = make_whole_body(body, reference, gains.pop("contact_bounds"), gains.pop("joint_bounds"))
     measurement = make_measurement(n_joints, n_soles)
     control = make_control_state(n_joints, estimated, turns, len(inputs.values))
+    dt = CONTROL_PERIOD
+    readings, expected = make_readings(measurement, estimated, scale.weight, scale.rate, scale.height, dt)
+    sensors = make_estimator_state(n_joints, n_soles)
     filters = make_estimator_gains(
         parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight, robot.imu_rotation
     )
@@ -320,8 +334,11 @@ def _make_view(
         replay=_replay_gains(scale, ReplayParameters()),
         feedback=make_joint_feedback(parameters.joint_gains_estimated if estimated else parameters.joint_gains, n_leg),
         measurement=measurement,
+        checking=Checking(
+            body, measurement, expected, readings, reference, whole_body.solution.acceleration, filters, sensors
+        ),
         control=control,
-        estimation=Estimation(body, measurement, filters, make_estimator_state(n_joints, n_soles)),
+        estimation=Estimation(body, measurement, filters, sensors),
         telemetry=telemetry,
         **gains,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gaitsmith.compiled import kernel
 from gaitsmith.control.state import FOLLOWING, Tick
+from gaitsmith.estimation.measurement import JOINT_POSITION, JOINT_VELOCITY, SOLE_FORCE
 from gaitsmith.template.step import WALK
 from gaitsmith.whole_body.reference import FLAT, NONE
 
@@ -68,6 +69,28 @@ def _report_step(g: Tick) -> None:
 
 
 @kernel
+def _report_readings(g: Tick) -> None:
+    """What was wrong with the readings; counts by sensor."""
+    out, control, readings = g.telemetry, g.control, g.checking.readings
+    nj, any_lost = readings.rate.shape[0], 0
+    for sensor in range(control.refused.shape[0]):
+        begin = sensor if sensor <= JOINT_POSITION else sensor - 2 + (nj if sensor == JOINT_VELOCITY else 2 * nj)
+        begin = begin + 1 if sensor == JOINT_VELOCITY else begin
+        end = begin + (nj if JOINT_POSITION <= sensor <= JOINT_VELOCITY else 1)
+        end = readings.what.shape[0] if sensor == SOLE_FORCE else end
+        lost = 0
+        for c in range(begin, end):
+            out.reading[c] = readings.what[c]
+            lost = 1 if readings.lost[c] > 0 else lost
+        control.refused[sensor] += lost
+        any_lost = max(any_lost, lost)
+        out.refused[sensor] = control.refused[sensor]
+    control.refused_ticks[0] += any_lost
+    out.refused_ticks[0], out.missed_ticks[0] = control.refused_ticks[0], control.missed[0]
+    out.reading_changes[0], out.reading_lost[0] = readings.changes[0], readings.culprit[0]
+
+
+@kernel
 def report(g: Tick) -> None:
     """Fill the telemetry of this tick."""
     out, frames, control, body, found = g.telemetry, g.body.frames, g.control, g.body, g.whole_body.solution
@@ -91,6 +114,4 @@ def report(g: Tick) -> None:
     out.qp_status[0], out.qp_iterations[0] = found.status[0], found.iterations[0]
     out.qp_solves[0], out.qp_fallbacks[0] = found.solves[0], found.fallbacks[0]
     out.qp_infeasible[0], out.stops_dropped[0] = found.infeasible[0], found.stops_dropped[0]
-    for k in range(control.refused.shape[0]):
-        out.refused[k] = control.refused[k]
-    out.refused_ticks[0] = control.refused_ticks[0]
+    _report_readings(g)

@@ -11,6 +11,7 @@ from gaitsmith.control.joint_torque import JointFeedback
 from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.estimation.estimator import Estimation
 from gaitsmith.estimation.measurement import Measurement
+from gaitsmith.estimation.readings import Checking
 from gaitsmith.planned.law import Following
 from gaitsmith.planned.replay import ReplayGains
 from gaitsmith.template.state import Template
@@ -20,7 +21,7 @@ from gaitsmith.whole_body.reference import Reference
 from gaitsmith.whole_body.tasks import TaskTable
 
 OFF, DAMPING, STANDING, WALKING, FAULT, AIRBORNE, FOLLOWING = range(7)
-"""Control states: no torque; joints braked; on both feet; walking; unusable readings; lifted off; following a plan."""
+"""Control states: no torque; joints braked; on both feet; walking; braked, as something is lost; lifted off; a plan."""
 
 STATE_NAMES = ("off", "damping", "standing", "walking", "fault", "airborne", "following")
 
@@ -31,13 +32,15 @@ class ControlState(NamedTuple):
     Attributes:
         time: (1,) since the reset, s.
         state: (1,) control state, one of :data:`STATE_NAMES`.
-        asked: (1,) OFF, DAMPING or FOLLOWING if asked for, else STANDING: the template decides.
+        asked: (1,) OFF, DAMPING or FOLLOWING if asked for, FAULT if something is lost that the robot cannot do without,
+            until told to stand or walk; else STANDING: the template decides.
         replays: (1,) 1 if a plan is replayed by the joints alone.
         torque: (nj,) last torque sent, N·m.
         wanted: (nj,) torque of a tick before it is bounded, N·m.
         held: (nj,) joint angles in which the robot last stood on the ground, held in the air, rad.
-        refused: (8,) ticks refused for the readings of each sensor, in the order of :class:`Measurement`.
-        refused_ticks: (1,) ticks refused.
+        refused: (8,) ticks in which readings of each sensor were replaced, in the order of :class:`Measurement`.
+        refused_ticks: (1,) ticks with any.
+        missed: (1,) ticks that came too late to be done.
         estimated: (1,) 1 if the state is estimated from sensors.
         sent: (1,) 1 once a torque has been sent: its change is bounded from then on.
         unloaded: (1,) for how long no sole has borne anything, s.
@@ -56,6 +59,7 @@ class ControlState(NamedTuple):
     held: Vector
     refused: IntVector
     refused_ticks: IntVector
+    missed: IntVector
     estimated: IntVector
     sent: IntVector
     unloaded: Vector
@@ -95,6 +99,7 @@ class Tick(NamedTuple):
     feedback: JointFeedback
     gains: TickGains
     measurement: Measurement
+    checking: Checking
     control: ControlState
     estimation: Estimation
     telemetry: Telemetry
@@ -116,6 +121,7 @@ def make_control_state(n_joints: int, estimated: bool, turns: bool, n_inputs: in
         held=np.zeros(n_joints),
         refused=np.zeros(len(Measurement._fields), dtype=np.int64),
         refused_ticks=whole(),
+        missed=whole(),
         estimated=whole(int(estimated)),
         sent=whole(),
         unloaded=np.zeros(1),

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from gaitsmith.compiled import Vector
 from gaitsmith.estimation.measurement import Measurement
+from gaitsmith.estimation.readings import channel_names
 
 
 class Telemetry(NamedTuple):
@@ -52,8 +53,12 @@ class Telemetry(NamedTuple):
         ik_fallbacks: since the reset.
         stops_dropped: ticks that could not keep every joint off its stops.
         touchdowns_forced: steps ended by the clock instead of by contact.
-        refused: (8,) ticks refused for unusable readings, by sensor.
-        refused_ticks: ticks refused.
+        refused: (8,) ticks in which readings were replaced, by sensor.
+        refused_ticks: ticks with any.
+        missed_ticks: ticks that came too late to be done.
+        reading: (m,) what is wrong with each channel, see estimation.readings.WHAT.
+        reading_changes: how many times a channel has gone wrong or good.
+        reading_lost: number of what the robot cannot do without, see estimation.readings.Readings.culprit.
     """
 
     time: Vector
@@ -95,6 +100,10 @@ class Telemetry(NamedTuple):
     touchdowns_forced: Vector
     refused: Vector
     refused_ticks: Vector
+    missed_ticks: Vector
+    reading: Vector
+    reading_changes: Vector
+    reading_lost: Vector
 
 
 _AXES = ("x", "y", "z")
@@ -119,6 +128,7 @@ def _labels(joints: tuple[str, ...], soles: tuple[str, ...], inputs: tuple[str, 
         "zmp": each(("x", "y")),
         "sole_force": soles,
         "refused": Measurement._fields,
+        "reading": channel_names(joints, soles),
         **dict.fromkeys(_PER_JOINT, joints),
     }
 

@@ -7,8 +7,8 @@ from gaitsmith.control.joint_torque import add_joint_feedback, bounded_torque, b
 from gaitsmith.control.report import report
 from gaitsmith.control.state import AIRBORNE, DAMPING, FAULT, FOLLOWING, OFF, STANDING, WALKING, Tick
 from gaitsmith.dynamics.algorithms import update_dynamics
+from gaitsmith.estimation.checks import check_readings
 from gaitsmith.estimation.estimator import estimate
-from gaitsmith.estimation.measurement import is_usable
 from gaitsmith.planned.clock import FORCED, ON_TIME
 from gaitsmith.planned.follow import follow
 from gaitsmith.planned.replay import replay_torque
@@ -20,7 +20,6 @@ from gaitsmith.template.walking import plan_step, refer_walking, restart_leg, se
 from gaitsmith.whole_body.frames import observe_frames
 from gaitsmith.whole_body.solve import solve_whole_body
 
-_DECAY = 0.98  # per tick, of the torque that is held when no new one can be computed
 _LIFTED = 0.25  # of a step's period without load after which a robot that stood hangs in the air
 
 
@@ -41,13 +40,39 @@ def _open_mailbox(g: Tick) -> None:
 
 
 @kernel
-def _take_state(g: Tick) -> bool:
-    """State of this tick, copied or estimated; False if a reading cannot be used."""
+def _check_readings(g: Tick) -> None:
+    """Replace what cannot be believed; brake for good if the robot cannot do without it, or if it was left alone."""
+    control, step, readings, touchdown = g.control, g.template.step, g.checking.readings, g.template.touchdown
+    state, late = control.state[0], readings.late[0]
+    swing = g.body.legs.other[step.stance[0]] if state == WALKING else -1
+    driven = (state in (WALKING, STANDING, FOLLOWING)) and g.whole_body.solution.fresh[0] == 0
+    lost = check_readings(
+        g.checking,
+        g.gains.dt,
+        control.estimated[0] == 1,
+        driven,
+        swing,
+        step.time[0],
+        step.period[0],
+        touchdown.earliest * step.period[0],
+        touchdown.force,
+    )
+    if late > 0:
+        control.missed[0] += late
+        control.time[0] += late * g.gains.dt
+        step.time[0] += late * g.gains.dt
+    if lost >= 0:
+        control.asked[0] = FAULT
+
+
+@kernel
+def _take_state(g: Tick) -> None:
+    """State of this tick, copied or estimated."""
     q, v, measurement = g.body.q, g.body.v, g.measurement
     if g.control.estimated[0] == 1:
-        return estimate(g.estimation, g.gains.dt, g.whole_body.contacts.kind, g.control.refused)
-    if not is_usable(measurement, False, g.control.refused):
-        return False
+        elapsed = g.gains.dt * (1 + g.checking.readings.late[0])
+        estimate(g.estimation, elapsed, g.whole_body.contacts.kind)
+        return
     for i in range(3):
         q[i] = measurement.base_position[i]
     for i in range(4):
@@ -57,7 +82,6 @@ def _take_state(g: Tick) -> bool:
     for j in range(measurement.joint_position.shape[0]):
         q[7 + j] = measurement.joint_position[j]
         v[6 + j] = measurement.joint_velocity[j]
-    return True
 
 
 @kernel
@@ -84,7 +108,7 @@ def _choose_state(g: Tick) -> None:
         control.state[0] = AIRBORNE
         step.mode[0] = STAND
     else:
-        if control.state[0] in (AIRBORNE, OFF, DAMPING, FOLLOWING):
+        if control.state[0] in (AIRBORNE, OFF, DAMPING, FAULT, FOLLOWING):
             solution.fresh[0] = 1
             step.heading_set[0] = 0
         control.state[0] = STANDING
@@ -149,9 +173,7 @@ def _send(g: Tick, solved: bool) -> None:
         wanted = found[j]
         if state == OFF:
             wanted = 0.0
-        elif state == FAULT:
-            wanted = _DECAY * torque[j]
-        elif state == DAMPING:
+        elif state in (DAMPING, FAULT):
             wanted = braked_torque(limit, speed, gains.brake)
         elif state == AIRBORNE:
             wanted = held_torque(limit, control.held[j] - body.q[7 + j], speed, gains.hold, gains.brake)
@@ -176,17 +198,16 @@ def tick(table: int) -> None:
     control.time[0] += g.gains.dt
     _open_mailbox(g)
     solved = False
-    if _take_state(g):
-        update_dynamics(body.tree, body.state, body.q, body.v)
-        observe_frames(body)
-        _choose_state(g)
-        if control.state[0] == STANDING:
-            _refer(g)
-            solved = solve_whole_body(g.whole_body, g.tasks)
-        elif control.state[0] == FOLLOWING:
-            solved = _follow(g)
-    else:
-        control.refused_ticks[0] += 1
-        control.state[0] = FAULT
+    _check_readings(g)
+    _take_state(g)
+    g.checking.readings.late[0] = 0
+    update_dynamics(body.tree, body.state, body.q, body.v)
+    observe_frames(body)
+    _choose_state(g)
+    if control.state[0] == STANDING:
+        _refer(g)
+        solved = solve_whole_body(g.whole_body, g.tasks)
+    elif control.state[0] == FOLLOWING:
+        solved = _follow(g)
     _send(g, solved)
     report(g)

@@ -3,6 +3,7 @@
 from gaitsmith.documents.about import About as About
 from gaitsmith.documents.about import Frozen as Frozen
 from gaitsmith.documents.about import Name as Name
+from gaitsmith.documents.about import Worded as Worded
 from gaitsmith.documents.about import about as about
 from gaitsmith.documents.about import check_name as check_name
 from gaitsmith.documents.reading import checked as checked

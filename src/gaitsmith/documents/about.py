@@ -20,6 +20,10 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+class Worded(Frozen):
+    """Base of data that can be written as one word besides a table."""
+
+
 @dataclass(frozen=True)
 class About:
     """What a field is; a field that has it becomes an option of the commands that take its model.

@@ -17,7 +17,7 @@ from gaitsmith.estimation.filters import EstimatorState as EstimatorState
 from gaitsmith.estimation.filters import correct_axis, filter_attitude, filter_joints, predict_axis, turn_to_torso
 from gaitsmith.estimation.filters import make_estimator_gains as make_estimator_gains
 from gaitsmith.estimation.filters import make_estimator_state as make_estimator_state
-from gaitsmith.estimation.measurement import Measurement, is_usable
+from gaitsmith.estimation.measurement import Measurement
 from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import FLAT
 
@@ -68,25 +68,19 @@ class Estimation(NamedTuple):
 
 
 @kernel
-def estimate(g: Estimation, dt: float, in_contact: IntVector, refused: IntVector) -> bool:
-    """One tick of all filters: the body's q and v; x and y start at 0, z = 0 is below the lowest sole at the start.
+def estimate(g: Estimation, dt: float, in_contact: IntVector) -> None:
+    """One tick of all filters on checked readings: the body's q and v; x, y start at 0, z = 0 is below the lowest sole.
 
     Afterwards the body's tree state holds poses, motion subspaces, velocities for the estimated attitude and joints
     with the base at the origin and without linear velocity; the caller updates it.
 
     Args:
         g: the robot's first joint is free and the rest are the actuated hinges and slides.
-        dt: s.
+        dt: s since the last tick.
         in_contact: (n_legs,) 1 for a sole that is planned to stand; it counts if its force says so too.
-        refused: (8,) counts sensors whose readings cannot be used.
-
-    Returns:
-        False if a sensor gave no usable number; then nothing was changed.
     """
     tree, tree_state, legs, q_out, v_out = g.body.tree, g.body.state, g.body.legs, g.body.q, g.body.v
     gains, state, measurement = g.gains, g.state, g.measurement
-    if not is_usable(measurement, True, refused):
-        return False
     turn_to_torso(gains, state, measurement)
     starting = state.started[0] == 0
     if starting:
@@ -142,4 +136,3 @@ def estimate(g: Estimation, dt: float, in_contact: IntVector, refused: IntVector
     for axis in range(3):
         q_out[axis] = state.motion[axis, 0] - imu[axis]
         v_out[axis] = state.motion[axis, 1] - lever[axis]
-    return True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -70,6 +70,40 @@ class BatteryOptions(Frozen):
     gait: _Gait = None
     only: Annotated[tuple[str, ...], About("Run these trials only", metavar="NAME")] = ()
     jobs: Jobs = 1
+    out: _Folder = "runs/bench"
+
+
+class FaultOptions(Frozen):
+    """Let every sensor, every motor and the ticks fail in every way, for 10, 100 and 1000 ms, while the robot walks.
+
+    A fault begins at four instants of a stride. Some may be named; otherwise all are run.
+    """
+
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    state: Annotated[
+        Literal["true", "estimated"], About("What the controller sees: the true state, or noisy sensors")
+    ] = "true"
+    component: Annotated[tuple[str, ...], About("Let only these fail", metavar="NAME")] = ()
+    type: Annotated[tuple[str, ...], About("Only in these ways", metavar="TYPE")] = ()
+    duration: Annotated[
+        tuple[Annotated[float, Field(gt=0.0, le=60.0)], ...],
+        About("How long", "s", "S", absent="0.01, 0.1 and 1"),
+    ] = (0.01, 0.1, 1.0)
+    instants: Annotated[int, Field(ge=1, le=64), About("Instants, evenly over a stride", metavar="N")] = 4
+    speed: Annotated[float, About("Forward speed", "√(gH)", "X")] = 0.115
+    jobs: Jobs = 1
+    out: _Folder = "runs/bench"
+
+
+class FallOptions(Frozen):
+    """Draw falls of known cause, one factor each, and see whether the fall report names it and a replay confirms it."""
+
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    falls: Annotated[int, Field(ge=1, le=10_000), About("Falls", metavar="N")] = 100
+    kind: Annotated[tuple[str, ...], About("Only of these causes", metavar="NAME")] = ()
+    seed: Annotated[int, Field(ge=0, lt=2**32), About("Seed of what is drawn", metavar="N")] = 0
     out: _Folder = "runs/bench"
 
 

@@ -11,8 +11,8 @@ import numpy.typing as npt
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation
-from gaitsmith.simulation.episode import scenario_orders
 from gaitsmith.simulation.loop import Commands, Order, Script
+from gaitsmith.simulation.orders import scenario_orders
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.step_policy import MOST_SEEN, PolicyCard, StepView, adjustable, told
 

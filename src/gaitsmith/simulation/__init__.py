@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.episode import Episode as Episode
     from gaitsmith.simulation.episode import Simulation as Simulation
     from gaitsmith.simulation.episode import run_episode as run_episode
+    from gaitsmith.simulation.fall import Fall as Fall
     from gaitsmith.simulation.loop import Backend as Backend
     from gaitsmith.simulation.loop import Loop as Loop
     from gaitsmith.simulation.loop import Order as Order
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.scenario import Scenario as Scenario
     from gaitsmith.simulation.scenario import load_scenario as load_scenario
     from gaitsmith.simulation.sensors import SensorNoise as SensorNoise
-    from gaitsmith.simulation.summary import Fall as Fall
     from gaitsmith.simulation.summary import Summary as Summary
     from gaitsmith.simulation.terrain import Terrain as Terrain
     from gaitsmith.simulation.terrain import parse_terrain as parse_terrain

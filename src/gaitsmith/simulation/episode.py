@@ -5,9 +5,6 @@ from __future__ import annotations
 import contextlib
 import gc
 import math
-import os
-import resource
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,15 +22,21 @@ from gaitsmith.log.record import DECIMATION, Log, Recorder, Scratch, new_file, r
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.footing import check_soles
 from gaitsmith.robots.parameters import GaitParameters
+from gaitsmith.simulation.diagnosis import Suspect, suspects
 from gaitsmith.simulation.disturbances import Disturber
-from gaitsmith.simulation.loop import Commands, Loop, Observer, Order, Script
+from gaitsmith.simulation.fall import Fall
+from gaitsmith.simulation.injection import Injector
+from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer, Script
+from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
+from gaitsmith.simulation.orders import scenario_orders
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
+from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.step_policy import OnnxPolicy, PolicyCommands
-from gaitsmith.simulation.summary import Fall, LogCounts, Memory, Summary
+from gaitsmith.simulation.summary import LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import Region, parse_terrain
 from gaitsmith.simulation.tour import Guide
 from gaitsmith.simulation.wall_time import WallTimes
@@ -76,6 +79,7 @@ class Simulation:
         record: whether to keep a log, in a temporary file; or the path of a new file, or what opens one, unbuffered,
             once everything else is right.
         commands: instead of the scenario's walk, changes and rest.
+        passing: whether the legs pass through each other, to see what would be.
         region: where ground is needed, if the commands lead elsewhere than the scenario.
 
     Attributes:
@@ -98,6 +102,7 @@ class Simulation:
         record: bool | str | Path | Callable[[], BinaryIO] = True,
         commands: Commands | None = None,
         region: Region | None = None,
+        passing: bool = False,
     ) -> None:
         self.scenario = scenario
         self.robot = robot if robot is not None else load_robot(scenario.robot)
@@ -122,6 +127,7 @@ class Simulation:
             sensors=scenario.sensors if scenario.state == "estimated" else None,
             region=region or (scenario.region() if self.plan is None else region_of(self.plan, scenario)),
             props=balls_of(self.plan, self.robot),
+            passing=passing,
             **scenario.model_dump(include=_PLANT),
         )
         for push in scenario.pushes:
@@ -138,18 +144,22 @@ class Simulation:
         self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
+        self._reactions = Reactions(self.columns, self.controller.estimated, step, lambda event: self.loop.tell(event))
         self._guide = None
         if scenario.tour is not None:
             self._guide = Guide(scenario.tour, self.plant, self.controller, scenario.walk_from)
         watching: list[Observer | None] = [
-            *(self._monitor, self._recorder, self._disturber, self._tracked, self._guide)
+            *(self._monitor, self._recorder, self._reactions, self._disturber, self._tracked, self._guide)
         ]
         observers = [observer for observer in watching if observer is not None]
         orders: Commands = commands or self._guide or Script(scenario_orders(scenario), step)
         if scenario.policy:
             orders = PolicyCommands(orders, self.controller, OnnxPolicy(scenario.policy, self.robot))
-        self.loop = Loop(self.plant, self.controller, orders, observers)
-        self._wall, self._memory = 0.0, _resident_mb()
+        backend: Backend = self.plant
+        if scenario.faults:
+            backend = Injector(self.plant, scenario.faults, self.robot, lambda event: self.loop.tell(event))
+        self.loop = Loop(backend, self.controller, orders, observers, getattr(backend, "withholds", None))
+        self._wall, self._memory = 0.0, resident_mb()
         self.interrupted = False
 
     def _warm_up(self) -> None:
@@ -204,7 +214,14 @@ class Simulation:
     @cached_property
     def _fall(self) -> Fall:
         phase = phase_in_words(self.columns) if self._tracked is None else self._tracked.phase
-        return explain(self._monitor, self.time, phase, refused_readings(self.columns))
+        return explain(self._monitor, self.time, phase, refused_readings(self.columns), self.suspects()[0].what)
+
+    def suspects(self) -> list[Suspect]:
+        """What may have caused the fall that has just been seen, the likeliest first."""
+        hits, pushes = self._monitor.dated_hits(self.time), self._disturber.pushes.started
+        began = [None if math.isnan(time) else time for time in pushes]
+        place = float(self._monitor.kept.place[0])
+        return suspects(self.scenario, hits, began, self._reactions.found, place, self.time)
 
     @property
     def fall(self) -> Fall | None:
@@ -310,32 +327,12 @@ class Simulation:
             realtime_factor=self.time / self._wall if self._wall > 0.0 else 0.0,
             pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
             warnings=tuple(self.plant.warnings),
-            memory_mb=Memory(start=self._memory, end=_resident_mb()),
+            memory_mb=Memory(start=self._memory, end=resident_mb()),
             tracking=self._tracked.report(self.time) if self._tracked is not None else None,
+            faults=with_unnoticed(tuple(self._reactions.found), self.scenario.faults, self.time),
             tour=self._guide.report() if self._guide is not None else None,
             log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,
         )
-
-
-def _resident_mb() -> float:
-    """Resident memory of this process, MB; where the system does not tell, the most that it has been so far."""
-    try:
-        with open("/proc/self/statm", "rb") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-    except (OSError, ValueError, IndexError):
-        unit = 1.0 if sys.platform == "darwin" else 1024.0
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
-
-
-def scenario_orders(scenario: Scenario) -> list[tuple[float, Order]]:
-    """What a scenario tells the controller, with the time of each order, s."""
-    if scenario.gait:
-        return [(0.0, Order(action="follow"))]
-    orders = [(change.time, Order(change.given(), posture=change.posture)) for change in scenario.changes]
-    orders.append((scenario.walk_from, Order(action="walk")))
-    if scenario.rest_after > 0.0:
-        orders.append((scenario.walk_until, Order(action="stand")))
-    return orders
 
 
 def run_episode(

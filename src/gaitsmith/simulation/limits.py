@@ -12,9 +12,12 @@ from gaitsmith.robots import Robot
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.whole_body.legs import edge_table
 
+_GRAVITY = 9.81
 _SATURATED = 0.999  # of the limit
 _EDGE = 1e-3  # m within which the ZMP or a foothold counts as on its bound
 _STOP = 5e-3  # rad within which a joint counts as on its limit
+_SLIDING = 0.1  # √(gH) above which a loaded sole slips
+_BEHIND = 0.07  # H by which a swing foot that is farther from its target lags
 _HELD = 5e-3  # s that a limit has to be hit without a pause; shorter ones are the solver's business
 
 
@@ -32,6 +35,8 @@ class Seen(NamedTuple):
     torque: Vector
     foothold: Vector
     foothold_bound: Vector
+    foot_desired: Vector
+    foot_actual: Vector
     wrench: Vector
     zmp: Vector
     qp_infeasible: Vector
@@ -40,6 +45,8 @@ class Seen(NamedTuple):
     torso: Vector
     attitude: Vector
     hip_height: Vector
+    sole: Vector
+    force: Vector
     leg_contact: Vector
     body_contact: Vector
     diverged: Vector
@@ -58,6 +65,7 @@ class Bounds(NamedTuple):
     spread: float
     zmp_margin: float
     friction: float
+    contact: float
     dt: float
 
 
@@ -65,7 +73,10 @@ class Flags(NamedTuple):
     """1 where a limit is hit at this tick, as views of one array; per joint, per sole, or single."""
 
     torque: IntVector
+    velocity: IntVector
     position: IntVector
+    slip: IntVector
+    lag: IntVector
     reach: IntVector
     spread: IntVector
     separation: IntVector
@@ -78,7 +89,10 @@ class Flags(NamedTuple):
 
 _WORDS = {
     "torque": "torque of {} saturated",
+    "velocity": "speed limit of {}",
     "position": "joint limit of {}",
+    "slip": "{} sole slipping",
+    "lag": "{} foot behind its target",
     "reach": "foothold at its reach bound",
     "spread": "foothold at its spread bound",
     "separation": "foothold at its separation bound",
@@ -103,6 +117,7 @@ class Hits(NamedTuple):
     since: IntVector  # ticks since the step began, or since one could have
     qp_infeasible: Vector  # counts at the tick before
     touchdowns_forced: Vector
+    sole: Vector  # (3 n,) places at the tick before, m
 
 
 class Joints(NamedTuple):
@@ -123,19 +138,22 @@ def make_bounds(robot: Robot, parameters: ControlParameters, dt: float) -> Bound
     edges, edge = edge_table([leg.sole for leg in robot.legs])
     foothold, contact = parameters.foothold, parameters.contact
     bounds = (foothold.reach, foothold.spread, contact.zmp_margin, contact.friction)
-    return Bounds(torque, velocity, low, high, edges, edge, *bounds, dt)
+    return Bounds(torque, velocity, low, high, edges, edge, *bounds, parameters.touchdown.force, dt)
 
 
 def make_hits(joints: tuple[str, ...], soles: tuple[str, ...], dt: float) -> tuple[Hits, tuple[str, ...]]:
     """No limit hit yet, and the limits' names."""
-    owners = {"torque": joints, "position": joints, "zmp": soles, "friction": soles}
+    owners = dict.fromkeys(("torque", "velocity", "position"), joints)
+    owners |= dict.fromkeys(("slip", "lag", "zmp", "friction"), soles)
     members = [[_WORDS[field].format(owner) for owner in owners.get(field, ("",))] for field in Flags._fields]
     holds = [1 if field in _AT_ONCE else max(1, round(_HELD / dt)) for field in Flags._fields]
     now = np.zeros(sum(map(len, members)), dtype=np.int64)
     ends = np.cumsum([len(names) for names in members])
     flags, hold = Flags(*np.split(now, ends[:-1])), np.repeat(holds, [len(names) for names in members])
     lasting, first, disturbed, since = np.zeros_like(now), np.full_like(now, -1), *np.zeros((2, 1), dtype=np.int64)
-    hits = Hits(flags, now, hold, lasting, first, disturbed, since, np.zeros(1), np.zeros(1))
+    hits = Hits(
+        flags, now, hold, lasting, first, disturbed, since, np.zeros(1), np.zeros(1), np.full(3 * len(soles), np.nan)
+    )
     return hits, tuple(name for names in members for name in names)
 
 
@@ -146,11 +164,34 @@ def _is_saturated(torque: float, limit: float) -> bool:
 
 
 @kernel
+def _slips(seen: Seen, bounds: Bounds, hits: Hits, leg: int) -> bool:
+    """Whether a loaded sole slides; keeps its place."""
+    way = 0.0
+    for i in range(2):
+        way += (seen.sole[3 * leg + i] - hits.sole[3 * leg + i]) ** 2
+        hits.sole[3 * leg + i] = seen.sole[3 * leg + i]
+    fast = math.sqrt(way) > bounds.dt * _SLIDING * math.sqrt(_GRAVITY * seen.height[0])
+    return bool(fast and seen.force[leg] > bounds.contact)
+
+
+@kernel
+def _lags(seen: Seen, leg: int) -> bool:
+    """Whether the swing foot is far from where it is wanted."""
+    if seen.stance[0] == leg or seen.stance[0] > 1.0:
+        return False
+    way = 0.0
+    for i in range(2):
+        way += (seen.foot_desired[3 * leg + i] - seen.foot_actual[3 * leg + i]) ** 2
+    return bool(math.sqrt(way) > _BEHIND * seen.height[0])
+
+
+@kernel
 def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
     """Which limits are hit at this tick."""
     flags = hits.flags
     for j in range(bounds.torque.shape[0]):
         flags.torque[j] = 1 if _is_saturated(seen.torque[j], bounds.torque[j]) else 0
+        flags.velocity[j] = 1 if abs(seen.joint_velocity[j]) > bounds.velocity[j] else 0
         q = seen.joint_position[j]
         flags.position[j] = 1 if q < bounds.position_low[j] + _STOP or q > bounds.position_high[j] - _STOP else 0
     bounded = seen.foothold_bound[0] > 0.0 and seen.mode[0] > 0.0
@@ -167,6 +208,8 @@ def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
         flags.zmp[leg] = 1 if loaded and room < bounds.zmp_margin + _EDGE else 0
         along = math.sqrt(force[0] ** 2 + force[1] ** 2)
         flags.friction[leg] = 1 if loaded and along > _SATURATED * bounds.friction * force[2] else 0
+        flags.slip[leg] = 1 if _slips(seen, bounds, hits, leg) else 0
+        flags.lag[leg] = 1 if seen.mode[0] > 0.0 and _lags(seen, leg) else 0
     flags.legs[0] = 1 if seen.leg_contact[0] > 0.0 else 0
     flags.infeasible[0] = 1 if seen.qp_infeasible[0] > hits.qp_infeasible[0] else 0
     flags.forced[0] = 1 if seen.touchdowns_forced[0] > hits.touchdowns_forced[0] else 0

@@ -1,11 +1,12 @@
 """The closed loop: a backend that is measured and driven, a controller, a source of commands, observers.
 
 Nothing here knows what the backend is. Every tick: commands since the last one, measure, control, observe, step.
+Ticks that the backend's clock has passed over are missed, and the controller is told how many.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter_ns
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -118,6 +119,7 @@ class Loop:
         controller: told what the backend measures.
         commands: asked before every tick.
         observers: told of every tick, in order.
+        withholds: asked every tick whether the controller does not get to do it; the torque stays then.
 
     Attributes:
         tick: control ticks done.
@@ -126,12 +128,19 @@ class Loop:
     """
 
     def __init__(
-        self, backend: Backend, controller: Controller, commands: Commands, observers: Sequence[Observer]
+        self,
+        backend: Backend,
+        controller: Controller,
+        commands: Commands,
+        observers: Sequence[Observer],
+        withholds: Callable[[], bool] | None = None,
     ) -> None:
         self.backend, self.controller, self.commands, self.observers = backend, controller, commands, observers
         self.tick, self.over = 0, False
         self.wall_times = WallTimes(backend.control_step)
         self._began = self._clock = backend.time
+        self._withholds, self._missed = withholds, 0
+        self._torque: npt.NDArray[np.float64] = np.zeros(0)
 
     @property
     def time(self) -> float:
@@ -155,21 +164,33 @@ class Loop:
         for order in self.commands.poll(self._clock - self._began):
             self._give(order)
         backend.measure(controller.measurement)
-        before = perf_counter_ns()
-        torque = controller.tick()
-        self.wall_times.add(perf_counter_ns() - before)
+        if self._withholds is not None and len(self._torque) and self._withholds():
+            self._missed += 1
+        else:
+            self._control()
         for observer in self.observers:
             if observer.observe(self.tick):
                 self.over = True
         if self.over:
             return False
-        backend.step(torque)
+        backend.step(self._torque)
         self.tick += 1
         advance = backend.time - self._clock
         if not 0.0 < advance <= _LONGEST:
             raise self._clock_error(advance)
+        if advance > 1.5 * backend.control_step:
+            self._missed += round(advance / backend.control_step) - 1
         self._clock = backend.time
         return True
+
+    def _control(self) -> None:
+        """The controller's tick; it is told of those that it has missed."""
+        if self._missed:
+            self.controller.missed(self._missed)
+            self._missed = 0
+        before = perf_counter_ns()
+        self._torque = self.controller.tick()
+        self.wall_times.add(perf_counter_ns() - before)
 
     def _give(self, order: Order) -> None:
         """Tell the controller, then the observers."""

@@ -236,6 +236,11 @@ class Monitor:
         found = [(name, int(tick)) for name, tick in zip(self.limit_names, self.kept.hits.first, strict=True)]
         return sorted([hit for hit in found if hit[1] >= 0], key=lambda hit: hit[1])
 
+    def dated_hits(self, time: float) -> list[tuple[str, float]]:
+        """The same with times, s, if the present tick's is ``time``."""
+        now = self.ticks - 1
+        return [(name, time - (now - tick) * self.dt) for name, tick in self.hits()]
+
     def touchdowns(self) -> npt.NDArray[np.int64]:
         """(m, 2) tick and new stance leg of the latest steps."""
         ring, steps = self.kept.ring, int(self.kept.steps[0])

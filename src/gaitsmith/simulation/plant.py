@@ -30,7 +30,7 @@ from gaitsmith.simulation.truth import (
     track,
 )
 from gaitsmith.simulation.world import PlantError as PlantError
-from gaitsmith.simulation.world import add_ground, build, change_masses, set_options
+from gaitsmith.simulation.world import add_ground, build, change_masses, let_legs_pass, set_options
 
 _MOST_WARNINGS = 100
 
@@ -51,6 +51,7 @@ class Plant:
         seed: of everything random.
         region: where boxes or a slope are needed; beyond it boxes give way to the level plane.
         props: what else lies in the world.
+        passing: whether the legs pass through each other.
         physics_step: s.
         control_step: s, a whole number of physics steps.
 
@@ -81,6 +82,7 @@ class Plant:
         seed: int = 0,
         region: Region | None = None,
         props: Sequence[Ball] = (),
+        passing: bool = False,
         physics_step: float = 5e-4,
         control_step: float = 1e-3,
     ) -> None:
@@ -96,6 +98,8 @@ class Plant:
         for k, ball in enumerate(props):
             ball.add_to(spec, f"ball_{k + 1}")
         frictions = np.array([(joint_frictions or {}).get(name, joint_friction) for name in robot.joint_names])
+        if passing:
+            let_legs_pass(spec, robot)
         self._model, self._contact_at, self._imu_at = build(spec, robot, frictions, len(props))
         self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
         self._data = data = mujoco.MjData(self._model)

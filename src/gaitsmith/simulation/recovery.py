@@ -13,7 +13,9 @@ from gaitsmith.errors import BadInput
 from gaitsmith.log.columns import Columns
 from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter
 from gaitsmith.robots import load_robot
+from gaitsmith.simulation.diagnosis import suspects
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
+from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.summary import LogCounts, Summary
@@ -71,6 +73,7 @@ def summary_of(path: Path) -> Summary:
         row = np.zeros(len(columns))
         seen = Columns((columns, row))
         monitor = Monitor(robot, preset_parameters(robot, robot_scale(robot), scenario.preset), seen, dt, gait)
+        reactions = Reactions(seen, scenario.state == "estimated", dt, lambda _: None)
         waiting, rows, started = deque(reader.events), 0, [None] * len(scenario.pushes)
         for block in reader:
             waiting.extend(reader.events)
@@ -83,10 +86,13 @@ def summary_of(path: Path) -> Summary:
                     if "push" in event and event["push"] < len(started) and not event.get("over"):
                         started[event["push"]] = event["time"]
                 monitor.observe(rows)
+                reactions.observe(rows)
                 rows += 1
     time, fall = float(row[0]), None
     if monitor.state != UPRIGHT:
-        fall = explain(monitor, time, phase_in_words(seen), refused_readings(seen))
+        place = float(monitor.kept.place[0])
+        listed = suspects(scenario, monitor.dated_hits(time), started, reactions.found, place, time)
+        fall = explain(monitor, time, phase_in_words(seen), refused_readings(seen), listed[0].what)
     changed = robot.content_hash != notes.get("robot_hash")
     return sum_up(
         scenario,
@@ -99,6 +105,7 @@ def summary_of(path: Path) -> Summary:
         tick_us=WallTimes(dt).summary(),
         realtime_factor=0.0,
         pushes=tuple(started),
+        faults=with_unnoticed(tuple(reactions.found), scenario.faults, time),
         warnings=("the robot's files have changed since the run",) if changed else (),
         memory_mb=None,
         log=LogCounts(rows=rows, dropped=reader.head.dropped, complete=reader.complete),

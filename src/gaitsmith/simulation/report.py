@@ -10,9 +10,10 @@ import numpy.typing as npt
 from gaitsmith.control.state import STATE_NAMES
 from gaitsmith.log.columns import Columns
 from gaitsmith.robots import Robot
+from gaitsmith.simulation.fall import Cause, Fall
 from gaitsmith.simulation.monitor import DIVERGED, SANK, TILTED, TOUCHED, Monitor
 from gaitsmith.simulation.scenario import Scenario
-from gaitsmith.simulation.summary import Fall, QpCounts, Summary
+from gaitsmith.simulation.summary import QpCounts, Summary
 
 _HOW = {
     TILTED: "the torso tilted by more than 60 degrees",
@@ -30,7 +31,7 @@ def _last(columns: Columns, name: str) -> float:
 
 
 def refused_readings(columns: Columns) -> dict[str, int]:
-    """Ticks that were refused for unusable readings, by sensor."""
+    """Ticks in which readings were replaced, by sensor."""
     found = columns.find("refused")
     return {} if found is None else dict(zip(columns.labels("refused"), map(int, found), strict=True))
 
@@ -44,24 +45,24 @@ def phase_in_words(columns: Columns) -> str:
     return "standing"
 
 
-def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int]) -> Fall:
+def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int], cause: str) -> Fall:
     """The fall that a monitor has just seen.
 
     Args:
         monitor: of the run.
         time: s.
         phase: of the step, in words.
-        refused: ticks with unusable readings, by sensor.
+        refused: ticks with replaced readings, by sensor.
+        cause: likeliest, in words.
     """
-    now = monitor.ticks - 1
-    hits = [(name, time - (now - tick) * monitor.dt) for name, tick in monitor.hits()]
+    hits = monitor.dated_hits(time)
     reason = _HOW[monitor.state]
     for k, (name, when) in enumerate(hits[: 1 + _SHOWN]):
         reason += (f"; first limit hit: {name},", f"; then {name}", f", {name}")[min(k, 2)] + f" at {when:.3f} s"
     reason += "" if hits else "; no limit was hit in the last step"
     unusable = ", ".join(f"{count} of {sensor}" for sensor, count in refused.items() if count)
-    reason += f"; ticks with unusable readings: {unusable}" if unusable else ""
-    return Fall(time=time, phase=phase, reason=reason)
+    reason += f"; ticks with replaced readings: {unusable}" if unusable else ""
+    return Fall(time=time, phase=phase, reason=reason, cause=Cause(what=cause))
 
 
 def sum_up(scenario: Scenario, robot: Robot, monitor: Monitor, columns: Columns, **rest: Any) -> Summary:

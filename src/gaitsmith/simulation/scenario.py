@@ -15,6 +15,7 @@ from gaitsmith.documents import About, Frozen, Name, about, checked, parse_toml,
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
+from gaitsmith.simulation.faults import FORM, Fault, members
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
 
@@ -123,8 +124,9 @@ class Scenario(Command):
     terrain: Annotated[
         str,
         About(
-            "Ground: flat, a slope (uphill positive), random boxes up to a height, or stairs",
-            metavar="flat|slope:DEG|boxes:M|stairs:RISE,TREAD,EDGE,COUNT",
+            "Ground: flat, a slope (uphill positive), a slope across (left side up), random boxes up to a height, "
+            "stairs, or a patch of ice",
+            metavar="flat|slope:DEG|cross:DEG|boxes:M|stairs:RISE,TREAD,EDGE,COUNT|ice:MU,FROM,LENGTH",
         ),
     ] = "flat"
     duration: Annotated[float, Field(gt=0.0), About("Length of the whole run, rests included", "s", "S")] = 20.0
@@ -155,6 +157,15 @@ class Scenario(Command):
             "Push of 0.1 s at the torso's centre of mass: time, s, and impulse, N·s, world axes",
             metavar="t,Jx,Jy,Jz",
             flag="--push",
+        ),
+    ] = ()
+    faults: Annotated[
+        tuple[Fault, ...],
+        Field(max_length=100),
+        About(
+            "Component that fails, how, from when on and for how long, such as imu:stuck@3s,0.5s",
+            metavar=FORM,
+            flag="--fault",
         ),
     ] = ()
     sensors: SensorNoise = SensorNoise()
@@ -211,6 +222,9 @@ class Scenario(Command):
         for k, push in enumerate(self.pushes):
             if push.time >= self.duration:
                 raise BadInput(f"pushes[{k}].time", push.time, f"0 s to less than the duration, {self.duration:g} s")
+        for k, fault in enumerate(self.faults):
+            if fault.time >= self.duration:
+                raise BadInput(f"faults[{k}].time", fault.time, f"less than the duration, {self.duration:g} s")
         return self
 
     def _check_gait_file(self) -> None:
@@ -275,10 +289,10 @@ def make_scenario(fields: dict[str, Any], source: str = "") -> Scenario:
 
 
 def check_scenario(scenario: Scenario, robot: Robot) -> None:
-    """Check a scenario's gait inputs, preset and pushed bodies against a robot.
+    """Check a scenario's gait inputs, preset and failing components against a robot.
 
     Raises:
-        BadInput: a value outside the card's ``gait_limits``, or a preset or body that the robot does not have.
+        BadInput: a value outside the card's ``gait_limits``, or a preset or component that the robot does not have.
     """
     from gaitsmith.template.posture import commanded  # compiled; help does without
 
@@ -289,6 +303,11 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
     for joint in scenario.joint_frictions:
         if joint not in robot.joint_names:
             raise BadInput("joint_frictions", joint, "one of " + ", ".join(robot.joint_names))
+    for k, fault in enumerate(scenario.faults):
+        try:
+            members(fault, robot)
+        except BadInput as error:
+            raise error.within(f"faults[{k}]") from None
     at_home = np.array([robot.home, robot.velocity_limit])
     for k, change in enumerate(scenario.changes):
         try:

@@ -11,6 +11,8 @@ from pydantic import create_model
 from gaitsmith.compiled import Vector
 from gaitsmith.documents import Frozen
 from gaitsmith.robots.parameters import GAIT_INPUTS
+from gaitsmith.simulation.fall import Fall
+from gaitsmith.simulation.reactions import Reaction
 
 SCORED = 2.0  # s at the end of a stage over which means are taken
 Array = npt.NDArray[np.float64]
@@ -68,20 +70,6 @@ class Stage(Frozen):
     pitch_deg: tuple[float, float]
     settled_roll_deg: tuple[float, float]
     settled_pitch_deg: tuple[float, float]
-
-
-class Fall(Frozen):
-    """A fall.
-
-    Attributes:
-        time: s since the beginning of the run.
-        phase: stance leg and share of the step, in words.
-        reason: how it fell, then the limits hit since the last step without any, first one first.
-    """
-
-    time: float
-    phase: str
-    reason: str
 
 
 class QpCounts(Frozen):
@@ -194,7 +182,7 @@ class Summary(Frozen):
         velocity_peak: largest speed per joint as the controller sees it, rad/s.
         velocity_over: share of ticks beyond the speed limit, per joint.
         control_state: of the controller at the end, by name.
-        refused: ticks that were refused for unusable readings, by sensor.
+        refused: ticks in which readings were replaced, by sensor.
         memory_mb: None if nobody was there to measure it.
         log: None if nothing was recorded.
         qp: counts of the whole-body QP.
@@ -204,6 +192,7 @@ class Summary(Frozen):
         warnings: what the physics engine warned of.
         tracking: of a planned gait; None for the template's.
         tour: of a run of the teleoperation test; else None.
+        faults: what failed, as the controller noticed it, and what it did; faults that it did not notice say so.
     """
 
     fell: bool
@@ -239,6 +228,7 @@ class Summary(Frozen):
     warnings: tuple[str, ...]
     tracking: Tracking | None = None
     tour: TourReport | None = None
+    faults: tuple[Reaction, ...] = ()
 
 
 class Span(NamedTuple):

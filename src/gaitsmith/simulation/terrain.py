@@ -1,4 +1,4 @@
-"""Ground under the robot: flat, a slope, random boxes, or stairs, described as plain blocks for the physics engine."""
+"""Ground under the robot: flat, slopes, random boxes, stairs, ice; described as plain blocks for the physics engine."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 
-VALID = "flat, slope:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), or stairs:RISE,TREAD,EDGE,COUNT"
+VALID = (
+    "flat, slope:DEGREES or cross:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), stairs:RISE,TREAD,EDGE,COUNT, "
+    "or ice:FRICTION,FROM,LENGTH (0.05 to 5, from 0.3 m ahead on)"
+)
 SLOPE_START = 0.6  # m ahead of the origin: the start stance is level
 BOX_PITCH = 0.3
 FLAT_RADIUS = 1.05  # m: boxes whose centre is nearer than this to the origin have no height
@@ -28,11 +31,16 @@ class Region(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A box of ground, world frame, m and rad: centre, half extents, rotation about y (nose down positive)."""
+    """A box of ground, world frame, m and rad: centre, half extents, rotation about y (nose down) or about x; friction.
+
+    The friction is the ground's own if None.
+    """
 
     centre: tuple[float, float, float]
     half_size: tuple[float, float, float]
     pitch: float = 0.0
+    roll: float = 0.0
+    friction: float | None = None
 
 
 @dataclass(frozen=True)
@@ -42,24 +50,31 @@ class Terrain:
     Attributes:
         kind: ``flat``; ``slope``, level until 0.6 m ahead of the origin and then inclined about y; ``boxes``, a grid
             of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin;
-            ``stairs`` up from z = 0, or down to it.
-        amount: inclination in degrees (uphill positive), largest box height in m, or how much higher every tread is
-            than the one before, m, negative for stairs that lead down; 0 for flat ground.
+            of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin;
+            ``stairs`` up from z = 0, or down to it; ``cross``, level until 0.6 m ahead and then inclined about x;
+            ``ice``, flat with a patch across the path that has a friction of its own.
+        amount: inclination in degrees (uphill, or left side up, positive), largest box height in m, how much higher
+            every tread is than the one before, m, negative for stairs that lead down, or friction of the ice; 0 for
+            flat ground.
         seed: seed of the box heights.
         tread, edge, count: of stairs: from one edge to the next, where the first one is, m, and how many there are.
+        patch: where ice begins and how long it is, m ahead of the origin.
     """
 
-    kind: Literal["flat", "slope", "boxes", "stairs"] = "flat"
+    kind: Literal["flat", "slope", "cross", "boxes", "stairs", "ice"] = "flat"
     amount: float = 0.0
     seed: int = 0
     tread: float = 0.2
     edge: float = 0.12
     count: int = 0
+    patch: tuple[float, float] = (0.0, 0.0)
 
     def height(self, x: float, y: float) -> float:
         """Height of the ground at a point of the world, m; on an edge between boxes, of either."""
         if self.kind == "slope":
             return max(x - SLOPE_START, 0.0) * math.tan(math.radians(self.amount))
+        if self.kind == "cross" and x > SLOPE_START:
+            return y * math.tan(math.radians(self.amount))
         if self.kind == "boxes":
             return _box_height(_field(self.amount, self.seed), round(x / BOX_PITCH), round(y / BOX_PITCH))
         if self.kind == "stairs":
@@ -74,6 +89,10 @@ class Terrain:
         """Boxes of ground that cover ``region``, besides the level plane; none farther than 60 m from the origin."""
         if self.kind == "slope":
             return _slope_blocks(math.radians(self.amount), region)
+        if self.kind == "cross":
+            return _cross_blocks(math.radians(self.amount), region)
+        if self.kind == "ice":
+            return _ice_blocks(self.amount, *self.patch, region)
         if self.kind == "boxes":
             return _random_blocks(self.amount, self.seed, region)
         if self.kind == "stairs":
@@ -95,7 +114,7 @@ class Terrain:
 
 
 def parse_terrain(text: str, seed: int = 0) -> Terrain:
-    """Terrain named ``flat``, ``slope:DEG``, ``boxes:M``, or ``stairs:RISE,TREAD,EDGE,COUNT``.
+    """Terrain named as :data:`VALID` says.
 
     Raises:
         BadInput: unknown kind, or a number missing, not finite, or out of range.
@@ -106,9 +125,14 @@ def parse_terrain(text: str, seed: int = 0) -> Terrain:
     if kind == "stairs":
         return _parsed_stairs(text, number)
     try:
-        amount = float(number)
+        amount, *patch = map(float, number.split(","))
     except ValueError:
-        amount = math.nan
+        amount, patch = math.nan, []
+    if kind == "ice" and len(patch) == 2 and 0.05 <= amount <= 5.0 and 0.3 <= patch[0] <= 50.0 and 0 < patch[1] <= 50.0:
+        return Terrain("ice", amount, patch=(patch[0], patch[1]))
+    amount = math.nan if patch else amount
+    if kind == "cross" and abs(amount) <= 30.0:
+        return Terrain("cross", amount)
     if kind == "slope" and abs(amount) <= 30.0:
         return Terrain("slope", amount)
     if kind == "boxes" and 0.0 <= amount <= 0.3:
@@ -138,6 +162,35 @@ def _slope_blocks(angle: float, region: Region) -> list[Block]:
     half = ahead / 2
     centre = (SLOPE_START + half * along[0] - depth / 2 * up[0], 0.0, half * along[1] - depth / 2 * up[1])
     return [level, Block(centre, (half, breadth, depth / 2), -angle)]
+
+
+def _level(first: float, last: float, breadth: float, friction: float | None = None) -> Block:
+    """Level ground from one x to another, its top at z = 0."""
+    return Block(((first + last) / 2, 0.0, -0.5), ((last - first) / 2, breadth, 0.5), friction=friction)
+
+
+def _bounds(region: Region) -> tuple[float, float, float]:
+    """Least and greatest x, and greatest |y|, with room."""
+    return min(region.x[0], -5.0), max(region.x[1], SLOPE_START + 5.0), max(-region.y[0], region.y[1], 5.0)
+
+
+def _cross_blocks(angle: float, region: Region) -> list[Block]:
+    """Level start, then ground turned about the x axis, whose top contains that axis."""
+    back, ahead, breadth = _bounds(region)
+    centre = ((SLOPE_START + ahead) / 2, 0.5 * math.sin(angle), -0.5 * math.cos(angle))
+    tilted = Block(centre, ((ahead - SLOPE_START) / 2, breadth / math.cos(angle), 0.5), roll=angle)
+    return [_level(back, SLOPE_START, breadth), tilted]
+
+
+def _ice_blocks(friction: float, first: float, length: float, region: Region) -> list[Block]:
+    """Level ground, a patch of ice across it, and level ground."""
+    back, ahead, breadth = _bounds(region)
+    end = first + length
+    return [
+        _level(back, first, breadth),
+        _level(first, end, breadth, friction),
+        _level(end, max(ahead, end + 5.0), breadth),
+    ]
 
 
 def _cells(low: float, high: float) -> range:

@@ -40,17 +40,34 @@ def add_ground(spec: mujoco.MjSpec, terrain: Terrain, region: Region, friction: 
         "friction": (friction, *_FALLBACK_FRICTION),
         "solref": _SOLREF,
     }
-    if terrain.kind != "slope":
+    if terrain.kind in ("flat", "boxes", "stairs"):
         spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), **surface)
     for block in terrain.blocks(region):
-        half = block.pitch / 2
+        pitch, roll = block.pitch / 2, block.roll / 2
+        own = surface if block.friction is None else surface | {"friction": (block.friction, *_FALLBACK_FRICTION)}
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=block.centre,
             size=block.half_size,
-            quat=(np.cos(half), 0.0, np.sin(half), 0.0),
-            **surface,
+            quat=(np.cos(pitch) * np.cos(roll), np.sin(roll), np.sin(pitch), 0.0),  # one of both turns is none
+            **own,
         )
+
+
+def let_legs_pass(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Take away the contacts between the legs."""
+    model, below = robot.model, []
+    for leg in robot.legs:
+        body, found = leg.sole_body, []
+        while body != robot.torso_body and body > 0:
+            found.append(model.body(body).name)
+            body = int(model.body_parentid[body])
+        below.append(found)
+    known = {frozenset((pair.bodyname1, pair.bodyname2)) for pair in spec.excludes}
+    for one in below[0]:
+        for other in below[1]:
+            if frozenset((one, other)) not in known:
+                spec.add_exclude(bodyname1=one, bodyname2=other)
 
 
 def build(

@@ -1,0 +1,154 @@
+"""Why a robot fell: what disturbed it since its last undisturbed step, the likeliest first.
+
+What comes from outside goes before what the robot's own limits did about it: whoever is pushed hard enough hits them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from gaitsmith.simulation.reactions import Reaction
+from gaitsmith.simulation.scenario import Scenario
+from gaitsmith.simulation.terrain import SLOPE_START, parse_terrain
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_BEFORE = 0.6  # s before the first limit in which a disturbance counts as its cause
+_AFTER_PUSH = 3.0  # s for which a push may be felt
+_NEAR = 0.4  # m before a slope at which a foot may already stand on it
+_USUAL_FRICTION, _SMALL_DELAY, _SMALL_MASS = 0.6, 1.5e-3, 0.03
+OWN_LIMITS = {
+    "torque of": "torque",
+    "foothold at its reach": "reach",
+    "foothold at its spread": "spread",
+    "foothold at its separation": "separation",
+    "foot behind": "lag",
+    "legs touching": "legs",
+    "speed limit": "velocity",
+    "joint limit": "position",
+    "ZMP": "zmp",
+    "friction limit": "slip",
+    "whole-body QP": "qp",
+    "ended by the clock": "clock",
+}
+"""Kinds of limits by what their names contain."""
+
+
+class Suspect(NamedTuple):
+    """What may have caused a fall: a kind that :mod:`gaitsmith.simulation.replay` can relax, and words."""
+
+    kind: str
+    what: str
+
+
+def suspects(
+    scenario: Scenario,
+    hits: Sequence[tuple[str, float]],
+    pushes: Sequence[float | None],
+    reactions: Sequence[Reaction],
+    place: float,
+    fell: float,
+) -> list[Suspect]:
+    """What may have caused a fall, the likeliest first.
+
+    Args:
+        scenario: what was run.
+        hits: limits since the last undisturbed step and when, s, oldest first.
+        pushes: when each began, s; None if it did not.
+        reactions: of the controller.
+        place: x of the torso when it was upright last, m.
+        fell: s.
+    """
+    onset = min([when for _, when in hits], default=fell)
+    found = [*_failed(scenario, reactions, onset, fell), *_pushed(scenario, pushes, onset, fell)]
+    slips = [(name, when) for name, when in hits if "slipping" in name]
+    slippery = scenario.friction < _USUAL_FRICTION or scenario.terrain.startswith("ice")
+    if slips and slippery:
+        found.append(_friction(scenario, slips))
+    found += _ground(scenario, place)
+    found += _plant(scenario)
+    if slippery and not slips:
+        found.append(_friction(scenario, slips))
+    if slips and not slippery:
+        found.append(Suspect("friction", f"{slips[0][0]} at {slips[0][1]:.3f} s"))
+    if scenario.state == "estimated":
+        found.append(Suspect("estimated", "state estimated from noisy sensors"))
+    found += [*_commanded(scenario, fell), *_limits(hits)]
+    return found or [Suspect("none", "nothing that is known")]
+
+
+def _failed(scenario: Scenario, reactions: Sequence[Reaction], onset: float, fell: float) -> list[Suspect]:
+    """Faults of the scenario that were on, or what the controller noticed by itself."""
+    found = []
+    for fault in scenario.faults:
+        if fault.time <= fell and fault.time + fault.duration >= onset - _BEFORE:
+            found.append(Suspect("fault", f"{fault.component} {fault.type} from {fault.time:.3f} s on"))
+    if not found:
+        seen = [e for e in reactions if onset - _BEFORE <= e.time <= fell and e.component != "balance"]
+        found += [Suspect("reading", f"{entry.component}, {entry.type} at {entry.time:.3f} s") for entry in seen[:1]]
+    return found
+
+
+def _pushed(scenario: Scenario, pushes: Sequence[float | None], onset: float, fell: float) -> list[Suspect]:
+    """Pushes, the latest first."""
+    found = []
+    for push, began in zip(scenario.pushes, pushes, strict=False):
+        if began is not None and began <= fell and began + push.duration >= onset - _AFTER_PUSH:
+            size = sum(part * part for part in push.impulse) ** 0.5
+            found.append((began, Suspect("push", f"push of {size:.1f} N·s at {began:.3f} s")))
+    return [suspect for _, suspect in sorted(found, key=lambda entry: -entry[0])]
+
+
+def _friction(scenario: Scenario, slips: Sequence[tuple[str, float]]) -> Suspect:
+    ground = scenario.terrain if scenario.terrain.startswith("ice") else f"friction {scenario.friction:g}"
+    return Suspect(
+        "friction", f"slippery ground, {ground}" + (f": {slips[0][0]} at {slips[0][1]:.3f} s" if slips else "")
+    )
+
+
+def _ground(scenario: Scenario, place: float) -> list[Suspect]:
+    """Ground that is not level, if the robot has come to it."""
+    terrain = parse_terrain(scenario.terrain, scenario.seed)
+    words = {"slope": f"slope of {terrain.amount:g}°", "cross": f"slope across of {terrain.amount:g}°"}
+    if terrain.kind in words and place > SLOPE_START - _NEAR and terrain.amount != 0.0:
+        return [Suspect("terrain", words[terrain.kind])]
+    if terrain.kind == "boxes" and terrain.amount > 0.0:
+        return [Suspect("terrain", f"boxes of {terrain.amount:g} m")]
+    return []
+
+
+def _plant(scenario: Scenario) -> list[Suspect]:
+    """A plant that is not what the controller takes it for."""
+    found = []
+    if scenario.torque_delay > _SMALL_DELAY:
+        found.append(Suspect("delay", f"torque delay of {1000 * scenario.torque_delay:g} ms"))
+    if abs(scenario.mass_factor - 1.0) > _SMALL_MASS or scenario.mass_spread > _SMALL_MASS:
+        found.append(Suspect("mass", f"masses × {scenario.mass_factor:g} ± {100 * scenario.mass_spread:g} %"))
+    if scenario.joint_friction > 0.0 or scenario.joint_frictions:
+        found.append(Suspect("joint_friction", f"joint friction of {scenario.joint_friction:g} N·m"))
+    return found
+
+
+def _commanded(scenario: Scenario, fell: float) -> list[Suspect]:
+    """What was commanded besides the card's gait, the latest first."""
+    given = [(0.0, scenario.given()), *((change.time, change.given()) for change in scenario.changes)]
+    latest: dict[str, object] = {}
+    for when, inputs in given:
+        latest |= inputs if when <= fell else {}
+    words = ", ".join(f"{name} {_shown(value)}" for name, value in latest.items())
+    return [Suspect("command", f"commanded gait: {words}")] if words else []
+
+
+def _shown(value: object) -> str:
+    return " ".join(f"{part:g}" for part in value) if isinstance(value, tuple) else f"{value:g}"
+
+
+def _limits(hits: Sequence[tuple[str, float]]) -> list[Suspect]:
+    """The robot's own limits, each kind once, the first first; a ZMP at the edge says least."""
+    found: dict[str, Suspect] = {}
+    for name, when in hits:
+        kind = next((kind for part, kind in OWN_LIMITS.items() if part in name), None)
+        if kind is not None and kind not in found:
+            found[kind] = Suspect(kind, f"{name} at {when:.3f} s")
+    return sorted(found.values(), key=lambda suspect: suspect.kind == "zmp")

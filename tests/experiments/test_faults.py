@@ -1,0 +1,60 @@
+"""The fault matrix goes on where it stopped, says what was survived and how, and refuses what no robot has."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from gaitsmith.errors import BadInput
+from gaitsmith.experiments import FallOptions, FaultOptions, run_falls, run_faults
+from gaitsmith.experiments.falls import KNOWN
+from gaitsmith.experiments.lines import Lines
+
+
+def test_a_small_matrix_and_the_same_again(tmp_path):
+    options = FaultOptions(component=("left.force",), type=("nan",), duration=(0.05,), instants=2, out=str(tmp_path))
+    result = run_faults(options)
+    (entry,) = json.loads((tmp_path / "faults.json").read_text())["faults"]
+    assert entry | {"falls": []} == {
+        "component": "left.force",
+        "type": "nan",
+        "duration": 0.05,
+        "survived": 2,
+        "of": 2,
+        "braked": 0,
+        "reaction": "replaced by kinematics and the step's clock",
+        "falls": [],
+    }
+    assert result.rows == (("left.force", "nan", "2 of 2", entry["reaction"]),)
+    assert "2 of 2 episodes found" in " ".join(run_faults(options).notes)
+
+
+@pytest.mark.parametrize(
+    ("fields", "flag"),
+    [({"component": ("nose",)}, "--component"), ({"component": ("gyro",), "type": ("odd",)}, "--type")],
+)
+def test_what_cannot_fail_is_one_line(tmp_path, fields, flag):
+    with pytest.raises(BadInput) as caught:
+        run_faults(FaultOptions(out=str(tmp_path), **fields))
+    assert caught.value.field == flag
+
+
+def test_a_fall_of_known_cause_is_named_confirmed_and_kept(tmp_path):
+    options = FallOptions(falls=1, kind=("fault",), out=str(tmp_path))
+    result = run_falls(options)
+    (entry,) = result.document["falls"]
+    assert (entry["kind"], entry["named"], entry["confirmed"]) == ("fault", "fault", True)
+    kept = (tmp_path / "falls.jsonl").read_text()
+    assert run_falls(options).document == result.document
+    assert (tmp_path / "falls.jsonl").read_text() == kept
+    with pytest.raises(BadInput, match="one of " + ", ".join(KNOWN)):
+        run_falls(FallOptions(kind=("moon",), out=str(tmp_path)))
+
+
+def test_lines_that_are_damaged_are_passed_over(tmp_path):
+    Lines(tmp_path, "x.jsonl").add("a", {"b": 1})
+    with open(tmp_path / "x.jsonl", "ab") as file:
+        file.write(b'{"key": "c", "va')
+    again = Lines(tmp_path, "x.jsonl")
+    assert ("a" in again, again["a"], "c" in again, again.damaged) == (True, {"b": 1}, False, 1)
