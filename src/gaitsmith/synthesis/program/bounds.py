@@ -50,6 +50,7 @@ class PhaseBound:
     A contact's bound is form <= 0 with form = (ratio - limit) * factor * load**power: ``load`` is the normal force as a
     share of the weight, of the support sole (0) or the other (1); the ratio is the friction coefficient that is needed,
     the place of the ZMP, m, or the lever of the yaw moment, m. Reports show the ratio, and ``span`` is of the form.
+    ``slack``: the violation that is accepted on the dense grid.
     """
 
     kind: Kind
@@ -71,6 +72,7 @@ class PhaseBound:
     ratio_span: float = 1.0
     factor: float = 1.0
     power: int = 1
+    slack: float = 0.0
 
     def free_at(self, start: bool, end: bool) -> bool:
         """Whether it does not hold at an end of its phase: of a clearance, only where the foot lifts or lands."""

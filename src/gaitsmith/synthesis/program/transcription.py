@@ -15,6 +15,7 @@ from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds
+from gaitsmith.synthesis.program.margin import drawn_in
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -85,8 +86,11 @@ class Transcription:
                 self._wrench_first[index] = size
                 size += 6 * (WRENCH_DEGREE + 1)
         self.size = size
-        self.bounds: list[list[PhaseBound]] = [
+        self.limits: list[list[PhaseBound]] = [
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
+        ]
+        self.bounds: list[list[PhaseBound]] = [
+            [drawn_in(bound, biped, motion, index) for bound in items] for index, items in enumerate(self.limits)
         ]
         self.pivots = np.array([biped.pivot(phase) * (1.0, phase.side, 1.0) for phase in motion.phases])
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.point.layout import PointLayout
-from gaitsmith.synthesis.program.bounds import PhaseBound
+from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Points, Transcription
@@ -19,10 +19,12 @@ from gaitsmith.synthesis.solution.curves_from_solution import LocalPiece, local_
 Array = npt.NDArray[np.float64]
 _TIGHTEST = 0.3  # of a span: the stored curves close the chain better than the program does
 _SPARE = 4e-4  # share of the span by which an added instant is tightened: the worst instant moves a little
+_STEP = 1e-6  # share of the range by which a tightened instant is tightened at least
 _CLOSE = 0.02  # of a bound's range: what a neighbour may well meet
 _ENDS = 0.03  # share of a phase that counts as its end
 _PEAKS = 4
 _RESTING = 0.1  # share of a phase next to a lift-off or touchdown
+_LIGHT = 2e-3  # of the weight: contacts that bear less are looked at as if they bore this
 _SAME = 0.02  # share of a phase within which two instants count as one
 
 
@@ -48,9 +50,18 @@ class BoundTable:
             self.out @ o + self.inp @ z + np.array([np.broadcast_to(bound.offset(s), s.shape) for bound in self.bounds])
         )
 
-    def violations(self, values: Array) -> Array:
-        """(bounds, N) share of the span by which a bound is violated; negative inside."""
-        return np.asarray(np.maximum(self.low - values, values - self.high) / self.span)
+    def violations(self, values: Array, loads: Array) -> tuple[Array, Array]:
+        """(bounds, N) share of the range by which a bound is violated, and what such a share is of the span.
+
+        Of a contact the range is that of the ratio of its forces, so that a share of the span goes with its load.
+        """
+        share = np.maximum(self.low - values, values - self.high) / self.span
+        scales = np.ones_like(share)
+        for row, bound in enumerate(self.bounds):
+            if bound.load != NO_LOAD:
+                load = np.maximum(loads[bound.load], _LIGHT)
+                scales[row] = bound.factor * bound.ratio_span * load**bound.power / bound.span
+        return share / scales, scales
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,14 +70,18 @@ class BoundCheck:
 
     Attributes:
         times: (N,) s.
-        violations: (bounds, N) share of the span.
-        values: (bounds, N).
+        violations: (bounds, N) of the bounds with their margins, share of the range.
+        scales: (bounds, N) of a bound's span that a share is.
+        excess: by how much a violation is more than is accepted, at most.
+        values: (bounds, N) of the true bounds.
         loads: (2, N) normal forces on the support sole and the other, as shares of the weight.
         pieces: the phase's curves as they will be stored.
     """
 
     times: Array
     violations: Array
+    scales: Array
+    excess: float
     values: Array
     loads: Array
     pieces: list[LocalPiece]
@@ -80,16 +95,22 @@ def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, coun
         times = np.linspace(borders[phase], borders[phase + 1], count)
         z = local_inputs(trans, x, phase, pieces, times)
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)), trans.motion.phases[phase].side)
-        table = BoundTable(trans.layout, trans.bounds[phase])
-        values = table.values(o, z, trans.share(phase, times))
+        inner, limits = (BoundTable(trans.layout, bounds[phase]) for bounds in (trans.bounds, trans.limits))
+        share = trans.share(phase, times)
         loads = np.array([o[trans.layout.force + 2], z[trans.layout.wrench + 2]]) / trans.biped.weight
-        found.append(BoundCheck(times, table.violations(values), values, loads, pieces))
+        violations, scales = inner.violations(inner.values(o, z, share), loads)
+        most = violations.copy()
+        interior = [row for row, bound in enumerate(inner.bounds) if bound.interior]
+        for end in (0, -1):
+            most[interior, end] = np.minimum(most[interior, end], 0.0)
+        excess = float((most.max(axis=1) - [bound.slack for bound in inner.bounds]).max())
+        found.append(BoundCheck(times, violations, scales, excess, limits.values(o, z, share), loads, pieces))
     return found
 
 
-def worst_violation(checks: list[BoundCheck]) -> float:
-    """Largest violation of any bound, as a share of its span."""
-    return float(max(item.violations.max() for item in checks))
+def worst_excess(checks: list[BoundCheck]) -> float:
+    """Largest violation of any bound beyond what is accepted of it, as a share of its range."""
+    return max(item.excess for item in checks)
 
 
 def with_violated(
@@ -98,13 +119,16 @@ def with_violated(
     """The imposed bounds with an instant added, or tightened, at every local worst violation above ``tolerance``."""
     found = list(imposed)
     for phase, bound, k in _peaks(trans, checks, tolerance, 0.0):
-        violation, time = float(checks[phase].violations[bound, k]), float(checks[phase].times[k])
+        item = checks[phase]
+        scale, time = float(item.scales[bound, k]), float(item.times[k])
+        violation = scale * float(item.violations[bound, k])
         near = _near(trans, found, phase, bound, time)
         if near is None:
-            found.append(ImposedBound(phase, bound, time, _spare(trans, phase, bound, time)))
+            found.append(ImposedBound(phase, bound, time, scale * _spare(trans, phase, bound, time)))
         else:
             old = found[near]
-            found[near] = ImposedBound(phase, bound, old.time, min(old.tighten + 1.2 * violation, _TIGHTEST))
+            more = 1.2 * violation + _STEP * scale
+            found[near] = ImposedBound(phase, bound, old.time, min(old.tighten + more, _TIGHTEST))
     return found
 
 
@@ -135,12 +159,14 @@ def _peaks(
     """
     for phase, item in enumerate(checks):
         last = len(item.times) - 1
-        for bound in np.flatnonzero(item.violations.max(axis=1) > tolerance).tolist():
+        slacks = np.array([bound.slack for bound in trans.bounds[phase]])
+        least = np.minimum(tolerance, 0.25 * slacks)
+        for bound in np.flatnonzero(item.violations.max(axis=1) > least).tolist():
             v = item.violations[bound].copy()
             if ends or trans.bounds[phase][bound].interior:
                 v[: int(ends * last) + 1], v[last - int(ends * last) :] = -np.inf, -np.inf
             before, after = np.append(-np.inf, v[:-1]), np.append(v[1:], -np.inf)
-            peaks = np.flatnonzero((v > tolerance) & (v >= before) & (v > after))
+            peaks = np.flatnonzero((v > least[bound]) & (v >= before) & (v > after))
             for k in sorted(peaks.tolist(), key=lambda k: -v[k])[:_PEAKS]:
                 yield phase, bound, k
 

@@ -13,7 +13,6 @@ from gaitsmith.synthesis.motions.motion import Phase, opposite
 from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
 
 Array = npt.NDArray[np.float64]
-ALLOWED = 1e-3  # share of a bound's range
 LOADED = 0.01  # of the weight: ratios of a foot's forces are told where it bears at least this
 
 

@@ -19,6 +19,7 @@ from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.functions import PointFunctions, point_functions
 from gaitsmith.synthesis.program.bounds import Kind, check_margin
 from gaitsmith.synthesis.program.guess import default_start
+from gaitsmith.synthesis.program.margin import MARGIN
 from gaitsmith.synthesis.program.program import ImposedBound, Program, every_bound, make_program
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 from gaitsmith.synthesis.solution.bound_check import (
@@ -27,9 +28,9 @@ from gaitsmith.synthesis.solution.bound_check import (
     with_close,
     with_times,
     with_violated,
-    worst_violation,
+    worst_excess,
 )
-from gaitsmith.synthesis.solution.certificate import ALLOWED, BoundMargin, merge, ranked
+from gaitsmith.synthesis.solution.certificate import BoundMargin, merge, ranked
 from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces, objective_of
 from gaitsmith.synthesis.solution.diagnose import lacking, undecided
 from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
@@ -40,8 +41,7 @@ from gaitsmith.synthesis.solution.rate_check import too_fast, torque_rates_of, w
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
 Array = npt.NDArray[np.float64]
-_ENOUGH = 0.8 * ALLOWED  # what lies between the instants of the dense grid is far less than the rest
-_AIM = 0.2 * ALLOWED  # violations above this are dealt with while others are
+_AIM = 0.2 * MARGIN  # violations above this are dealt with while others are
 _CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
 _SELDOM = (Kind.TORQUE, *_CURVED)  # imposed only where the dense grid asks for it
 _NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
@@ -202,7 +202,7 @@ class Planner:
             checks = check_bounds(trans, self.functions, x, settings.dense)
             rates = torque_rates_of(trans, self.functions, x, checks)
             times["check"] += time.perf_counter() - clock
-            if worst_violation(checks) <= _ENOUGH and settled and not too_fast(trans, rates):
+            if worst_excess(checks) <= 0.0 and settled and not too_fast(trans, rates):
                 break
             if result.rounds >= settings.refinements:
                 worst = certificate(trans, checks)
@@ -221,7 +221,7 @@ class Planner:
         gait.certificate["worst"] = [item.as_dict() for item in worst]
         times["check"] += time.perf_counter() - clock
         result = replace(result, worst=worst, imposed=imposed, solution=found)
-        if held and max(item.violation for item in held.values()) > ALLOWED:
+        if held and max(item.violation for item in held.values()) > 0.0:
             first = ranked(held)[0]
             text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}, held"
             return replace(result, status="not certified", reason=f"{text}; free it, or change its home angle")
@@ -311,7 +311,7 @@ class Planner:
 def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[BoundMargin]:
     """Every constraint's worst value, the worst first."""
     found: dict[str, BoundMargin] = {}
-    for phase, bounds, item in zip(trans.motion.phases, trans.bounds, checks, strict=True):
+    for phase, bounds, item in zip(trans.motion.phases, trans.limits, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values, item.loads)
     return ranked(found)
 

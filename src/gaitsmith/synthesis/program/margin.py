@@ -1,0 +1,53 @@
+"""Bounds drawn in by a margin, so that a plan keeps the true ones at every instant, between those that were looked at.
+
+A grid finds a violation up to what a curve does between its instants. The program therefore holds bounds that
+are drawn in by :data:`MARGIN` of their range, and a plan is accepted when it exceeds these by at most :data:`SLACK`.
+What a motion meets exactly has no margin: a foot that meets or leaves the ground, the edge on which it bears before
+and after it turns about it, a limit on which a condition lies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import At, Motion
+from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.program.bounds import NO_LOAD, Kind, PhaseBound
+
+MARGIN = 1e-3  # share of a bound's range
+SLACK = 0.8 * MARGIN  # of what is drawn in: the rest is for what lies between the instants of the dense grid
+EXACT = 1e-6  # share of the range, of a bound without a margin: what the solver leaves
+TOUCHING = 4e-6  # the same of a sole that leaves or meets the ground
+_STEEPER = 1.02  # the profile that the swing sole is held above, relative to the one that it must not sink below
+_LEFT = 0.2  # of a range, which margins leave at least
+_ON = 1e-9
+
+
+def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> PhaseBound:
+    """A phase's bound with its margin, and with the violation that is accepted of it."""
+    layout = PointLayout(biped.joints)
+    other = min(bound.inp, default=0) >= layout.wrench
+    if motion.phases[index].double and bound.name.endswith(("ZMP forward", "ZMP backward")):
+        return replace(bound, slack=EXACT)
+    if bound.load != NO_LOAD:
+        share = MARGIN * bound.ratio_span * bound.factor / biped.weight
+        out, inp = dict(bound.out), dict(bound.inp)
+        form, place = (inp, layout.wrench + 2) if bound.load else (out, layout.force + 2)
+        if bound.power == 2:
+            form, place = out, layout.load + bound.load
+        form[place] = form.get(place, 0.0) + share
+        return replace(bound, out=out, inp=inp, slack=SLACK)
+    if bound.interior:
+        return replace(bound, rise=bound.rise * _STEEPER, slack=TOUCHING)
+    met = any(
+        isinstance(item, At)
+        and item.quantity == bound.name
+        and item.border in (index, index + 1)
+        and min(abs(item.value - bound.low), abs(item.value - bound.high)) <= _ON
+        for item in motion.conditions
+    )
+    if met or (other and bound.kind is Kind.NORMAL_FORCE):
+        return replace(bound, slack=EXACT)
+    room = min(MARGIN * bound.span, 0.5 * (1.0 - _LEFT) * (bound.high - bound.low))
+    return replace(bound, low=bound.low + room, high=bound.high - room, slack=SLACK * room / (MARGIN * bound.span))
