@@ -12,14 +12,13 @@ from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import At, Condition, Same, State
-from gaitsmith.synthesis.proof.definitions import quantity
+from gaitsmith.synthesis.proof.definitions import CONDITION, quantity
 from gaitsmith.synthesis.proof.measured import Errors, larger, measure
 
 Array = npt.NDArray[np.float64]
 SEAM = {"position_m": 1e-6, "angle_rad": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}
 _STATES = ("position", "velocity", "acceleration")
 _ALLOWED = {"position": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}  # rad, rad/s, rad/s²
-CONDITION = 1e-5  # m, m/s or the sine of an angle
 _GAUSS, _FEW = 30, 8  # nodes a piece: exact for τᵀτ up to degree 29, and for a cubic u, which turns with its foot
 
 

@@ -13,7 +13,6 @@ from gaitsmith.synthesis.motions.motion import Phase
 from gaitsmith.synthesis.proof.definitions import LOADED, Bound
 
 Array = npt.NDArray[np.float64]
-ALLOWED = 1e-3  # share of a bound's range, on a grid
 EXACT = 2e-6  # share of a bound's range by which two engines may differ at one instant
 COARSE = 5e-3  # share of a bound's range by which the worst of two grids may differ
 _TIME = 1e-7  # s
@@ -75,8 +74,8 @@ def readings(bound: Bound) -> tuple[Array, Array, Array]:
     return value, limit, violation
 
 
-def tally(found: dict[str, Worst], phase: Phase, bounds: list[Bound], times: Array) -> None:
-    """Add one phase's bounds on its grid, ends included, to the worst so far."""
+def tally(found: dict[str, Worst], beyond: dict[str, Worst], phase: Phase, bounds: list[Bound], times: Array) -> None:
+    """Add one phase's bounds on its grid, ends included, to the worst so far, and to the worst that is not allowed."""
     for bound in bounds:
         shown, limit, violation = readings(bound)
         if bound.interior:
@@ -85,9 +84,12 @@ def tally(found: dict[str, Worst], phase: Phase, bounds: list[Bound], times: Arr
         worst = float(violation[k])
         if worst == -np.inf:
             continue
-        if bound.name not in found or worst > found[bound.name].violation or np.isnan(worst):
-            at = float(shown[k]), float(limit[k])
-            found[bound.name] = Worst(bound.name, *at, bound.unit, float(times[k]), phase.name, worst)
+        at = float(shown[k]), float(limit[k])
+        entry = Worst(bound.name, *at, bound.unit, float(times[k]), phase.name, worst)
+        held = worst <= bound.allowed and np.isfinite(entry.value)
+        for items in (found,) if held else (found, beyond):
+            if bound.name not in items or worst > items[bound.name].violation or np.isnan(worst):
+                items[bound.name] = entry
 
 
 def unloaded(bounds: list[Bound]) -> float:

@@ -7,15 +7,18 @@ World axes; lengths in m, forces as shares of the weight where a name says so. N
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, Side
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Side
 
 LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something
+ROUNDING = 1e-9  # share of a bound's range: the resolution of a file's numbers
+GROUND = 1e-6  # m, or the sine of a pitch: to which a sole stands on the ground where its bound begins or ends to hold
+CONDITION = 1e-5  # m, m/s or the sine of an angle, of conditions, and of a limit on which one puts the motion
 _FACES = 8  # of the pyramid inscribed in the friction cone
 _LEVEL = 0.6  # sine of the largest pitch of a foot that turns about an edge
 _ENDS = 0.5  # share of the friction at both ends of an edge that may bear a yaw moment
@@ -70,6 +73,7 @@ class Bound:
         interior: it does not hold at the phase's ends, where the foot is on the ground.
         sine: the value is the sine of the angle that is bounded.
         load, limit, factor, power: of a contact, else None.
+        allowed: the largest violation that is none: what a motion meets exactly, it meets to so much.
     """
 
     name: str
@@ -84,6 +88,7 @@ class Bound:
     limit: float = 0.0
     factor: float = 1.0
     power: int = 1
+    allowed: float = ROUNDING
 
 
 def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> list[Bound]:
@@ -112,8 +117,20 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
     items += _foot(found, biped, bounds, motion, index)
     for limit in phase.limits:
         value, unit = quantity(found, biped, phase, limit.quantity), QUANTITIES[limit.quantity].unit
-        items.append(Bound(limit.quantity, unit, value, limit.low, limit.high, tall, sine=unit == "rad"))
+        bound = Bound(limit.quantity, unit, value, limit.low, limit.high, tall, sine=unit == "rad")
+        items.append(replace(bound, allowed=CONDITION / tall) if _meets(limit, motion, index) else bound)
     return items
+
+
+def _meets(limit: Limit, motion: Motion, index: int) -> bool:
+    """Whether a condition at a border of the phase puts the motion on a limit."""
+    return any(
+        isinstance(item, At)
+        and item.quantity == limit.quantity
+        and item.border in (index, index + 1)
+        and min(abs(item.value - limit.low), abs(item.value - limit.high)) <= CONDITION
+        for item in motion.conditions
+    )
 
 
 def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Iterator[Bound]:
@@ -196,13 +213,14 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
     pitch = -found.rotation[2, 0]
     if phase.contact in ("heel", "toe"):
         low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
-        yield Bound("foot pitch", "rad", pitch, low, high, 1.0, interior=True, sine=True)
+        yield Bound("foot pitch", "rad", pitch, low, high, 1.0, interior=True, sine=True, allowed=GROUND)
     if phase.double:
         return
     foot = biped.sole(phase.other_foot)
     rise = found.profile(motion.lifts(index), motion.lands(index)) * bounds["clearance"]
     for height in corner_heights(found, biped, phase):
-        yield Bound("swing clearance", "m", height - rise, 0.0, np.inf, foot.heel + foot.toe, interior=True)
+        size = foot.heel + foot.toe
+        yield Bound("swing clearance", "m", height - rise, 0.0, np.inf, size, interior=True, allowed=GROUND / size)
     for name, sine, most in (
         ("pitch", pitch, bounds["foot_pitch"]),
         ("roll", found.rotation[2, 1] * phase.side, bounds["foot_tilt"]),

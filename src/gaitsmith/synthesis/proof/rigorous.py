@@ -12,18 +12,15 @@ import numpy.typing as npt
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
-from gaitsmith.synthesis.motions.motion import At, Phase
+from gaitsmith.synthesis.motions.motion import Phase
 from gaitsmith.synthesis.proof.box import Box, stability
-from gaitsmith.synthesis.proof.definitions import Bound, corner_heights, phase_bounds
+from gaitsmith.synthesis.proof.definitions import ROUNDING, Bound, corner_heights, phase_bounds
 from gaitsmith.synthesis.proof.dynamics import EnclosedRobot
 from gaitsmith.synthesis.proof.enclosure import Enclosed, enclose, first_stretches
 from gaitsmith.synthesis.proof.ranges import suprema
 from gaitsmith.synthesis.proof.taylor import Taylor
 
 Array = npt.NDArray[np.float64]
-ROUNDING = 1e-9  # share of a bound's range: the resolution of the file's own numbers, where a bound is met exactly
-GROUND = 1e-6  # m, or the sine of a pitch: to which a sole stands on the ground where its bound begins or ends to hold
-CONDITION = 1e-5  # of a limit on which a condition puts the motion
 _TIGHT = 1e-6  # share of a range, to which reported values are known
 _WIDE = 1e-7  # share of a range: stretches with larger radii are halved
 _COARSE = 0.02  # the same of what only has to be small
@@ -154,18 +151,6 @@ def _equations(enclosed: Enclosed, biped: Biped, phase: Phase) -> list[Bound]:
     return found
 
 
-def _allowed(bound: Bound, gait: Gait, index: int) -> float:
-    """The largest violation that counts as none, as a share of the range."""
-    if bound.interior:
-        return max(ROUNDING, GROUND / bound.span)
-    for item in gait.motion.conditions:
-        if not isinstance(item, At) or item.quantity != bound.name or item.border not in (index, index + 1):
-            continue
-        if min(abs(item.value - bound.low), abs(item.value - bound.high)) <= CONDITION:
-            return CONDITION / bound.span
-    return ROUNDING
-
-
 def _add(
     found: dict[str, Range],
     gait: Gait,
@@ -190,8 +175,7 @@ def _add(
             groups.append(number[bound.name, side])
             spans[bound.name, side] = bound
     c, r = np.stack([row.c for row in rows], axis=1), np.stack([row.r for row in rows])
-    proved = max(_allowed(bound, gait, index) for bound in bounds)
-    best = suprema(c, r, np.array(groups), len(names), _TIGHT, min(proved, ROUNDING))
+    best = suprema(c, r, np.array(groups), len(names), _TIGHT, ROUNDING)
     phase = gait.motion.phases[index].name
     for bound in {bound.name: bound for bound in bounds}.values():
         up, down = number[bound.name, 1.0], number[bound.name, -1.0]
@@ -204,7 +188,7 @@ def _add(
         time = float(enclosed.middles[k] + 0.5 * enclosed.spans[k] * best.place[side])
         nearest = bound.high if side == up else bound.low
         low, high, nearest = (_shown(float(value), bound.sine) for value in (low, high, nearest))
-        worst, allowed = float(max(over, under)), _allowed(bound, gait, index)
+        worst, allowed = float(max(over, under)), bound.allowed
         new = Range(bound.name, low, high, nearest, _unit(bound), time, phase, worst, allowed)
         found[bound.name] = new if bound.name not in found else found[bound.name].joined(new)
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
+from gaitsmith.synthesis.program.margin import TOUCHING
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Points, Transcription
@@ -137,7 +138,8 @@ def _spare(trans: Transcription, phase: int, bound: int, time: float) -> float:
     item = trans.bounds[phase][bound]
     other = min(item.inp, default=0) >= trans.layout.wrench or max(item.out, default=0) >= trans.layout.twist
     share = float(trans.share(phase, np.array(time)))
-    return 0.0 if (item.interior or other) and min(share, 1.0 - share) < _RESTING else _SPARE
+    exact = item.slack <= TOUCHING and not item.interior  # met exactly, and not to be missed there
+    return 0.0 if exact or ((item.interior or other) and min(share, 1.0 - share) < _RESTING) else _SPARE
 
 
 def with_close(trans: Transcription, checks: list[BoundCheck], imposed: list[ImposedBound]) -> list[ImposedBound]:
@@ -163,7 +165,7 @@ def _peaks(
         least = np.minimum(tolerance, 0.25 * slacks)
         for bound in np.flatnonzero(item.violations.max(axis=1) > least).tolist():
             v = item.violations[bound].copy()
-            if ends or trans.bounds[phase][bound].interior:
+            if ends or slacks[bound] <= TOUCHING:
                 v[: int(ends * last) + 1], v[last - int(ends * last) :] = -np.inf, -np.inf
             before, after = np.append(-np.inf, v[:-1]), np.append(v[1:], -np.inf)
             peaks = np.flatnonzero((v > least[bound]) & (v >= before) & (v > after))
