@@ -61,7 +61,7 @@ def plan(words: list[str], program: str) -> Outcome:
             document["figures"] = _write(found.gait, robot, out, figures, display.say)
         else:
             display.say(f"{found.main.status}: {found.main.reason}")
-    return Outcome(DONE if found.gait is not None else NOT_SOLVED, document, plan_lines(document, robot))
+    return Outcome(DONE if document["verified"] else NOT_SOLVED, document, plan_lines(document, robot))
 
 
 def _write(gait: Gait, robot: Robot, out: Path | None, figures: Path | None, say: Callable[[str], None]) -> list[str]:

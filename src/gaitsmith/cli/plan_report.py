@@ -17,7 +17,8 @@ _WORST = {"constraint": "", "value": ".4g", "limit": ".4g", "unit": "", "time": 
 
 def plan_lines(document: dict[str, Any], robot: Robot) -> Iterator[Text]:
     """The result of a plan."""
-    yield f"{document['motion']} for {robot.card.name}: {document['status']}"
+    verified = ", verified" if document["verified"] else ""
+    yield f"{document['motion']} for {robot.card.name}: {document['status']}{verified}"
     if document["without_solution"]:
         tried = ", ".join(f"{period:.3g}" for period in document["without_solution"])
         step = document["step"]

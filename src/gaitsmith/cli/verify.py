@@ -19,7 +19,7 @@ class VerifyArguments(Arguments):
 
     gait: GaitFile
     robot: OwnRobot = None
-    dense: Annotated[int, Field(ge=50, le=5000), About("Instants in every phase", metavar="N")] = 400
+    dense: Annotated[int, Field(ge=50, le=5000), About("Instants in every phase", metavar="N")] = 200
     rigorous: Annotated[bool, About("Also prove every bound for all times, not only for instants")] = False
     box: Annotated[
         str | None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,12 @@ def condition_entry(item: Condition) -> dict[str, Any]:
     return {"kind": "same", **vars(item)}
 
 
+def claims_hash(gait: Gait) -> str:
+    """SHA-256 of all that a gait says besides its curves: phases, limits, conditions, bounds, parameters, joints."""
+    document = gait_document(replace(gait, pieces=tuple(() for _ in gait.pieces), solver={}, certificate={}))
+    return _checksum(json.loads(json.dumps(document), parse_int=float))  # a 0 that is read is a 0.0
+
+
 def _checksum(document: dict[str, Any]) -> str:
     kept = {key: value for key, value in document.items() if key != "checksum"}
     return hashlib.sha256(json.dumps(kept, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
@@ -121,10 +128,18 @@ def read_gait(path: str | Path, allow_edited: bool = False) -> tuple[Gait, bool]
     if not intact and not allow_edited:
         raise BadInput(f"{shown}: checksum", document.get("checksum"), "the content's own", f"edited; {_REMEDY}")
     try:
-        entries = {key: value for key, value in document.items() if key not in ("format", "version", "checksum")}
-        return gait_from(entries), intact
+        return gait_of(document), intact
     except BadInput as error:
         raise BadInput(error.field, error.value, error.valid, error.remedy or _REMEDY).within(shown) from None
+
+
+def gait_of(document: dict[str, Any]) -> Gait:
+    """The gait in a file's document.
+
+    Raises:
+        BadInput: as :func:`gait_from`.
+    """
+    return gait_from({key: value for key, value in document.items() if key not in ("format", "version", "checksum")})
 
 
 def require_robot(gait: Gait, robot: Robot) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,11 @@ class Piece:
     joints: Array
     torque: Array
     wrench: Array
+
+    @cached_property
+    def torque_slope(self) -> Array:
+        """(n, m - 1) Chebyshev coefficients of the torques' derivatives, N·m/s."""
+        return np.asarray(np.polynomial.chebyshev.chebder(self.torque.T).T * (2.0 / self.duration))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +85,18 @@ class Gait:
     def torques(self, phase: int, times: Array) -> Array:
         """Joint torques (n, N), N·m."""
         return self._series(phase, times, "torque", len(self.joint_names))
+
+    def torque_rates(self, phase: int, times: Array) -> Array:
+        """Their derivatives (n, N), N·m/s."""
+        found = np.zeros((len(self.joint_names), len(times)))
+        for piece, mask, s in self._split(phase, times):
+            found[:, mask] = chebyshev(piece.torque_slope, s)
+        return found
+
+    @cached_property
+    def moving(self) -> npt.NDArray[np.bool_]:
+        """(n,) the joints that move."""
+        return np.asarray(np.any([p.joints[:, 1:].any(axis=1) for group in self.pieces for p in group], axis=0))
 
     def wrenches(self, phase: int, times: Array) -> Array:
         """Contact wrenches (12, N): left force, left moment, right force, right moment."""

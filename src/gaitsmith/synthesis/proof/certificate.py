@@ -26,7 +26,7 @@ _KEYS = {
     "phase": str,
     "violation": float,
 }
-_WHOLE = {"dense_points", "objective", "wrench_weight", "worst"}
+_WHOLE = {"claims", "dense_points", "objective", "wrench_weight", "worst"}
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,8 @@ class Measured:
     """A phase's motion and forces, of any kind of number.
 
     Attributes:
-        q, v, torque: [joint] rad, rad/s, N·m.
+        q, v, torque, rate: [joint] rad, rad/s, N·m, N·m/s.
+        moving: [joint] whether it moves.
         force, moment: [3] on the support sole, about its frame's origin, N and N·m.
         push, turn: [3] on the other sole, about the point that it turns about (its origin if flat).
         pivot: [3] that point, m.
@@ -44,6 +45,8 @@ class Measured:
     q: Any
     v: Any
     torque: Any
+    rate: Any
+    moving: Any
     force: Any
     moment: Any
     push: Any
@@ -134,7 +137,7 @@ def _meets(limit: Limit, motion: Motion, index: int) -> bool:
 
 
 def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Iterator[Bound]:
-    """(10), (11): the card's limits, of torque and velocity the share that may be used."""
+    """(10), (11): the card's limits, of torque and velocity the share that may be used; how fast torques may change."""
     robot = biped.robot
     for k, name in enumerate(robot.joint_names):
         most = float(robot.torque_limit[k]) * bounds["torque"]
@@ -143,6 +146,9 @@ def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Ite
         yield Bound(f"{name} angle", "rad", found.q[k], low, high, high - low)
         fast = float(robot.velocity_limit[k]) * bounds["velocity"]
         yield Bound(f"{name} velocity", "rad/s", found.v[k], -fast, fast, 2.0 * fast)
+        if found.moving[k]:
+            steep = bounds["torque_rate"]
+            yield Bound(f"{name} torque rate", "N·m/s", found.rate[k], -steep, steep, 2.0 * steep)
 
 
 def _angle(name: str, sine: Any, most: float) -> Bound:

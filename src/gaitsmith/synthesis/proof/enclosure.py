@@ -67,9 +67,8 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
     """
     phase, pieces = gait.motion.phases[index], gait.pieces[index]
     count = len(stretches)
-    q, v, a, torque, wrench = (
-        _Rows(width, count) for width in (*(3 * (len(gait.joint_names),)), len(gait.joint_names), 12)
-    )
+    joints = len(gait.joint_names)
+    q, v, a, torque, rate, wrench = (_Rows(width, count) for width in (*(5 * (joints,)), 12))
     middles, spans = np.zeros(count), np.zeros(count)
     for number in sorted({item.section for item in stretches}):
         piece = pieces[number]
@@ -82,6 +81,7 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
             rows.put(mask, *_shifted(table, middle, half), 1.0 / piece.duration**order)
             table = table[:, 1:] * np.arange(1, degree - order) if table.shape[1] > 1 else 0.0 * table
         torque.put(mask, *_series(piece.torque, middle, half), 1.0)
+        rate.put(mask, *_series(piece.torque_slope, middle, half), 1.0)
         wrench.put(mask, *_series(piece.wrench, middle, half), 1.0)
         middles[mask], spans[mask] = piece.start + middle * piece.duration, 2.0 * half * piece.duration
     states = q.taylor, v.taylor, a.taylor
@@ -89,7 +89,9 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
     both = {"left": (wrench.taylor[0:3], wrench.taylor[3:6]), "right": (wrench.taylor[6:9], wrench.taylor[9:12])}
     loads = engine.inertial(motions)
     residual = engine.residual(motions, loads, both, states, torque.taylor)
-    measured, contacts = _measured(gait, biped, index, motions, engine, states, torque.taylor, both, middles, spans)
+    measured, contacts = _measured(
+        gait, biped, index, motions, states, (torque.taylor, rate.taylor), both, middles, spans
+    )
     return Enclosed(measured, residual, contacts, loads, middles, spans)
 
 
@@ -132,7 +134,7 @@ def _series(table: Array, middle: Array, half: Array) -> tuple[Array, Array]:
 
     Taylor's at the stretch's middle: derivatives are series again, whose sum of sizes bounds what is left out.
     """
-    terms = table.shape[1]
+    terms = max(table.shape[1], 1)
     x = 2.0 * middle - 1.0
     basis = np.polynomial.chebyshev.chebvander(x, terms - 1).T  # (m, N)
     wrong = _UNIT * 8.0 * (1.0 + np.arange(terms)) ** 2  # of the basis, by its recursion
@@ -159,9 +161,8 @@ def _measured(
     biped: Biped,
     index: int,
     motions: dict[int, BodyMotion],
-    engine: EnclosedRobot,
     states: tuple[Taylor, Taylor, Taylor],
-    torque: Taylor,
+    torques: tuple[Taylor, Taylor],
     both: dict[str, tuple[Taylor, Taylor]],
     middles: Array,
     spans: Array,
@@ -192,7 +193,7 @@ def _measured(
     hip = torso.place + torso.rotation.by(robot.hip_midpoint)
     force, moment = both[phase.support]
     found = Measured(
-        *(states[0], states[1], torque),
+        *(states[0], states[1], *torques, gait.moving),
         *(force, moment, push, turn - cross(rotation.by(pivot), push)),
         *(point(pivot)[0], rotation, torso.rotation, hip[2] - phase.height, ankle, ankle_speed),
         profile=lambda lifts, lands: _profile(clock, lifts, lands),

@@ -87,7 +87,18 @@ def measure(
         errors.edge = larger(errors.edge, np.abs(rows["turn"][1]).max(initial=0.0) / (biped.weight * biped.height))
     share = (times - gait.motion.borders[index]) / phase.duration
     profile: Callable[[bool, bool], Any] = lambda lifts, lands: rise(share, lifts, lands)  # noqa: E731
-    found = Measured(q, v, torque, support[:3], support[3:], other[:3], profile=profile, **rows)
+    found = Measured(
+        q,
+        v,
+        torque,
+        gait.torque_rates(index, times),
+        gait.moving,
+        support[:3],
+        support[3:],
+        other[:3],
+        profile=profile,
+        **rows,
+    )
     return found, states
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.robots import Robot
+from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
@@ -36,6 +37,7 @@ from gaitsmith.synthesis.proof.measured import Errors, larger, measure, smaller
 
 Array = npt.NDArray[np.float64]
 CLOSURE = {"position_mm": 0.1, "velocity": 0.005, "acceleration": 0.5}
+DENSE = 200  # instants a phase
 TORQUE_JUMP = 0.01  # N·m
 RESIDUAL = 1e-6  # of the weight
 WRENCH_JUMP = 1e-5  # of the weight
@@ -114,7 +116,7 @@ class Verdict:
         }
 
 
-def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, int], None] | None = None) -> Verdict:
+def verify(gait: Gait, robot: Robot, dense: int = DENSE, report: Callable[[int, int], None] | None = None) -> Verdict:
     """Check a gait against MuJoCo.
 
     Args:
@@ -130,6 +132,8 @@ def verify(gait: Gait, robot: Robot, dense: int = 400, report: Callable[[int, in
 def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int], None] | None) -> Verdict:
     biped, finder, verdict = biped_from(robot), StateFinder(robot), Verdict(bounds=dict(gait.bounds))
     rows, verdict.problems = entries(gait.certificate)
+    if gait.certificate.get("claims") != claims_hash(gait):
+        verdict.problems.append("the certificate is of other phases, limits, conditions, bounds or parameters")
     points = gait.certificate.get("dense_points")
     claims = claimed_at(rows, gait, points if type(points) is int else 2)
     for row in claims.get(-1, []):

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
+from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.gait import Gait, follow, moved_value
 from gaitsmith.synthesis.motions.biped import REST, standing
@@ -253,7 +254,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
         if found.gait is not None
     }
     ranked = sorted(worst.values(), key=lambda item: -float(item["violation"]))
-    return replace(
+    gait = replace(
         begin.gait,
         motion=Motion("stairs" if request.kind == "stairs" else "walk", phases, tuple(conditions), False, parameters),
         pieces=pieces,
@@ -261,6 +262,8 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
         certificate=begin.gait.certificate
         | {"worst": ranked, "objective": sum(float(gait.certificate["objective"]) for gait in gaits)},
     )
+    gait.certificate["claims"] = claims_hash(gait)
+    return gait
 
 
 def _later(item: Condition, borders: int) -> Condition:

@@ -6,11 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from gaitsmith.errors import BadInput
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis.files.gait_file import gait_document, gait_of
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import zmp_margin
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.proof.borders import jumps
-from gaitsmith.synthesis.proof.verify import TORQUE_JUMP, verify
+from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
@@ -31,8 +34,8 @@ def largest_torque_rate(gait: Gait) -> float:
     """Largest |dτ/dt| of any joint, N·m/s, from the derivatives of the torques' series."""
     share, largest = np.linspace(-1.0, 1.0, _INSTANTS), 0.0
     for piece in (piece for group in gait.pieces for piece in group):
-        slope = np.polynomial.chebyshev.chebder(piece.torque.T) * (2.0 / piece.duration)
-        largest = max(largest, float(np.abs(np.polynomial.chebyshev.chebval(share, slope)).max()))
+        rates = np.polynomial.chebyshev.chebval(share, piece.torque_slope.T)
+        largest = max(largest, float(np.abs(rates).max()))
     return largest
 
 
@@ -55,15 +58,11 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     worst = [item.as_dict() for item in main.worst]
     if gait is not None:
         worst = list(gait.certificate.get("worst", worst))
-    jump = None if gait is None else jumps(gait, biped.whole)[0]
-    warnings: list[str] = []
-    if jump is not None and jump > TORQUE_JUMP:
-        assert gait is not None
-        problems = verify(gait, biped.robot).problems
-        warnings = [f"verify rejects this gait, plan with --order 5: {problem}" for problem in problems]
+    problems = [] if gait is None else rejections(gait, biped.robot)
     return {
         "status": main.status,
         "reason": main.reason,
+        "verified": gait is not None and not problems,
         "undecided": main.status not in ("solved", "not solved"),
         "motion": kind,
         "step": None if gait is None else _step(gait),
@@ -78,9 +77,9 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "duration": None if gait is None else gait.duration,
         "max_torque": None if gait is None else peak_torques(gait),
         "zmp_margin_mm": None if gait is None else 1e3 * single_support_margin(gait, biped),
-        "torque_jump": jump,
+        "torque_jump": None if gait is None else jumps(gait, biped.whole)[0],
         "torque_rate_max": None if gait is None else largest_torque_rate(gait),
-        "warnings": warnings,
+        "warnings": [f"verify rejects this gait: {problem}" for problem in problems],
         "worst": worst,
         "solves": {
             name: {"status": item.status, "iterations": item.iterations, "objective": item.objective, **item.times}
@@ -91,6 +90,15 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "held": [biped.robot.joint_names[joint] for joint in biped.held],
         "file": file,
     }
+
+
+def rejections(gait: Gait, robot: Robot) -> list[str]:
+    """Why ``gaitsmith verify`` would not accept a gait's file, in words."""
+    try:
+        read = gait_of(gait_document(gait))
+    except BadInput as error:
+        return [str(error)]
+    return verify(read, robot).problems
 
 
 def _step(gait: Gait) -> dict[str, float]:

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.robots import Robot
+from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Motion
@@ -37,7 +38,7 @@ from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
 from gaitsmith.synthesis.solution.geometry import out_of_reach
 from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
-from gaitsmith.synthesis.solution.rate_check import too_fast, torque_rates_of, with_fast
+from gaitsmith.synthesis.solution.rate_check import rate_margins, too_fast, torque_rates_of, with_fast
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
 Array = npt.NDArray[np.float64]
@@ -217,7 +218,9 @@ class Planner:
         imposed = with_close(trans, checks, near)
         gait = self._gait(trans, checks, result)
         held = held_margins(self.biped, settings.bounds, gait, settings.dense)
-        worst = ranked(held | {item.constraint: item for item in certificate(trans, checks)})
+        steep = rate_margins(gait, settings.bounds.torque_rate, self.biped.names, settings.dense)
+        worst = ranked(held | steep | {item.constraint: item for item in certificate(trans, checks)})
+        gait.certificate["claims"] = claims_hash(gait)
         gait.certificate["worst"] = [item.as_dict() for item in worst]
         times["check"] += time.perf_counter() - clock
         result = replace(result, worst=worst, imposed=imposed, solution=found)

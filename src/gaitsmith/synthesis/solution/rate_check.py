@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev_fit
+from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.point.functions import PointFunctions
+from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.bound_check import BoundCheck
+from gaitsmith.synthesis.solution.certificate import BoundMargin, merge
 from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
 
 Array = npt.NDArray[np.float64]
@@ -84,4 +88,17 @@ def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBou
                     found[near[0]] = ImposedBound(phase, bound, old.time, min(old.tighten + excess, _TIGHTEST))
                 else:
                     found.append(ImposedBound(phase, bound, time, 0.5 * _MARGIN))
+    return found
+
+
+def rate_margins(gait: Gait, most: float, moving: Sequence[str], count: int) -> dict[str, BoundMargin]:
+    """Worst torque rates of the joints that move, at ``count`` instants a phase of a finished gait."""
+    found: dict[str, BoundMargin] = {}
+    places = [gait.joint_names.index(name) for name in moving]
+    names = [f"{name} torque rate" for name in moving]
+    bounds = [PhaseBound(Kind.TORQUE, name, "N·m/s", {}, {}, -most, most, 2.0 * most) for name in names]
+    borders = gait.motion.borders
+    for index, phase in enumerate(gait.motion.phases):
+        times = np.linspace(borders[index], borders[index + 1], count)
+        merge(found, phase, bounds, times, gait.torque_rates(index, times)[places])
     return found
