@@ -24,6 +24,7 @@ _STEP = 1e-6  # share of the range by which a tightened instant is tightened at 
 _CLOSE = 0.02  # of a bound's range: what a neighbour may well meet
 _ENDS = 0.03  # share of a phase that counts as its end
 _PEAKS = 4
+_MEETING = 1e-6  # s
 _RESTING = 0.1  # share of a phase next to a lift-off or touchdown
 _LIGHT = 2e-3  # of the weight: contacts that bear less are looked at as if they bore this
 _SAME = 0.02  # share of a phase within which two instants count as one
@@ -100,12 +101,13 @@ def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, coun
         share = trans.share(phase, times)
         loads = np.array([o[trans.layout.force + 2], z[trans.layout.wrench + 2]]) / trans.biped.weight
         violations, scales = inner.violations(inner.values(o, z, share), loads)
-        most = violations.copy()
+        values, most = limits.values(o, z, share), violations.copy()
         interior = [row for row, bound in enumerate(inner.bounds) if bound.interior]
+        most[interior] = limits.violations(values, loads)[0][interior]  # their margin is a part of what they are
         for end in (0, -1):
             most[interior, end] = np.minimum(most[interior, end], 0.0)
         excess = float((most.max(axis=1) - [bound.slack for bound in inner.bounds]).max())
-        found.append(BoundCheck(times, violations, scales, excess, limits.values(o, z, share), loads, pieces))
+        found.append(BoundCheck(times, violations, scales, excess, values, loads, pieces))
     return found
 
 
@@ -115,20 +117,21 @@ def worst_excess(checks: list[BoundCheck]) -> float:
 
 
 def with_violated(
-    trans: Transcription, checks: list[BoundCheck], imposed: list[ImposedBound], tolerance: float
+    trans: Transcription, checks: list[BoundCheck], imposed: list[ImposedBound], tolerance: float, settled: bool = True
 ) -> list[ImposedBound]:
-    """The imposed bounds with an instant added, or tightened, at every local worst violation above ``tolerance``."""
+    """The imposed bounds with an instant added, or tightened, at every local worst violation above ``tolerance``.
+
+    ``settled``: whether they hold to the solver's tolerance; after a rough solve none is tightened.
+    """
     found = list(imposed)
     for phase, bound, k in _peaks(trans, checks, tolerance, 0.0):
         item = checks[phase]
         scale, time = float(item.scales[bound, k]), float(item.times[k])
-        violation = scale * float(item.violations[bound, k])
         near = _near(trans, found, phase, bound, time)
         if near is None:
             found.append(ImposedBound(phase, bound, time, scale * _spare(trans, phase, bound, time)))
-        else:
-            old = found[near]
-            more = 1.2 * violation + _STEP * scale
+        elif settled:
+            old, more = found[near], scale * (1.2 * float(item.violations[bound, k]) + _STEP)
             found[near] = ImposedBound(phase, bound, old.time, min(old.tighten + more, _TIGHTEST))
     return found
 
@@ -175,7 +178,9 @@ def _peaks(
 
 def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: int, time: float) -> int | None:
     """Index of the imposed one of the same bound that is as good as at the same time."""
-    within = _SAME * trans.motion.phases[phase].duration
+    # A bound that is met exactly at a border is not to be missed there because of an instant beside it.
+    exact = trans.bounds[phase][bound].slack <= TOUCHING
+    within = _MEETING if exact else _SAME * trans.motion.phases[phase].duration
     near = [
         (abs(item.time - time), index)
         for index, item in enumerate(imposed)

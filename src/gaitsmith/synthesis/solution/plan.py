@@ -211,7 +211,7 @@ class Planner:
                 text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
                 text += f", after {result.rounds} refinements"
                 return replace(result, status="not certified", reason=text, worst=worst)
-            imposed, settled = with_fast(trans, rates, with_violated(trans, checks, imposed, _AIM)), True
+            imposed, settled = with_fast(trans, rates, with_violated(trans, checks, imposed, _AIM, settled)), True
             result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)
