@@ -100,7 +100,7 @@ CASES: list[tuple[tuple[str | int, ...], Any, str]] = [
     (("gait", "yaw_rate"), 0.1, "gait.yaw_rate"),
     (("presets",), [], "presets"),
     (("presets", "default", "contact", "normal_force"), [20.0, 10.0], "presets.default.contact.normal_force"),
-    (("presets", "default", "joint_gains", "swing_damping"), [1.0], "presets.default.joint_gains.swing_damping"),
+    (("presets", "paper", "joint_gains", "swing_damping"), [1.0], "presets.paper.joint_gains.swing_damping"),
     (("presets", "default", "foothold", "separation"), 0.9, "presets.default.foothold.separation"),
     (("presets", "paper", "foothold", "reach"), -1, "presets.paper.foothold.reach"),
     (("presets", "paper", "foothold"), "none", "presets.paper.foothold"),
