@@ -7,6 +7,7 @@ import pytest
 from tests.robots.samples import BHR, bhr_text, build, build_model, card_data
 
 from gaitsmith.errors import BadInput
+from gaitsmith.robots.model_text import read_model
 from gaitsmith.robots.safety import DEPTH_LIMIT, ELEMENT_LIMIT, FILE_LIMIT, CardFolder, parse_xml
 
 DOCTYPES = [
@@ -130,3 +131,22 @@ def test_shipped_files_are_all_hashed() -> None:
     empty = folder.digest(b"card")
     folder.read("bhr_b2.xml", "x")
     assert len({empty, folder.digest(b"card"), folder.digest(b"other")}) == 3
+
+
+def test_a_file_above_the_card_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "mesh.stl").write_bytes(b"solid")
+    (tmp_path / "robot").mkdir()
+    folder = CardFolder(tmp_path / "robot", "card.toml")
+    for name in ("../mesh.stl", "package://any/../mesh.stl"):
+        with pytest.raises(BadInput, match="below the card's folder; put the card into a folder above it, or let"):
+            folder.find(name, ("",), "model.urdf: mesh")
+
+
+def test_other_formats_are_told_what_to_become(tmp_path: Path) -> None:
+    folder = CardFolder(tmp_path, "")
+    (tmp_path / "a.sdf").write_text('<sdf version="1.6"/>')
+    (tmp_path / "a.xacro").write_text('<robot name="a" xmlns:xacro="http://ros.org/xacro"><xacro:include/></robot>')
+    with pytest.raises(BadInput, match="convert it"):
+        read_model(folder, "a.sdf")
+    with pytest.raises(BadInput, match="expand it first: xacro FILE"):
+        read_model(folder, "a.xacro")

@@ -95,5 +95,10 @@ def read_model(folder: CardFolder, name: str) -> ModelText:
     root = parse_xml(folder.read(name, f"{folder.label}: model" if folder.label else "model"), path.name)
     readers = {"mujoco": mjcf_text, "robot": urdf_text}
     if root.tag not in readers:
-        raise BadInput(f"{path.name}: root element", root.tag, "mujoco (MJCF) or robot (URDF)")
+        raise BadInput(
+            f"{path.name}: root element", root.tag, "mujoco (MJCF) or robot (URDF)", "convert it to one of them"
+        )
+    if macro := next((element.tag for element in root.iter() if "xacro" in element.tag), None):
+        remedy = "expand it first: xacro FILE > robot.urdf"
+        raise BadInput(f"{path.name}: element", macro.rpartition("}")[2], "a URDF without xacro's macros", remedy)
     return readers[root.tag](root, folder, path)
