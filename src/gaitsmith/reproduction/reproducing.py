@@ -6,15 +6,18 @@ import multiprocessing
 import traceback
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from gaitsmith.errors import BadInput
-from gaitsmith.files import write_text_atomic
+from gaitsmith.errors import BadInput, GaitsmithError
+from gaitsmith.files import uninterrupted, write_text_atomic
 from gaitsmith.reports.page import Page
 from gaitsmith.reproduction import synthesis, template
 from gaitsmith.reproduction.finding import Found, Row
+from gaitsmith.simulation.episode import Simulation
+from gaitsmith.simulation.scenario import Scenario
 
 _Source = Generator[tuple[str, "Found | str"], None, None]
 Advance = Callable[[int, int, str], None]
@@ -141,18 +144,24 @@ def _silent(name: str, folder: Path) -> Found | str:
 
 
 def _elsewhere(wanted: list[str], folder: Path, jobs: int, advance: Advance) -> _Source:
-    """On other processes, which are ended with this one's wish."""
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        waiting: dict[Future[Found | str], str] = {pool.submit(_silent, name, folder): name for name in wanted}
-        try:
-            while waiting:
-                ready, _ = wait(waiting, timeout=_POLL, return_when=FIRST_COMPLETED)
-                advance(len(wanted) - len(waiting), len(wanted), ", ".join(list(waiting.values())[:jobs]))
-                for future in ready:
-                    yield waiting.pop(future), future.result()
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    """On other processes, which do not hear signals themselves: they are ended with this one's wish."""
+    advance(0, len(wanted), "loading (the first time compiles)")
+    Simulation(Scenario(duration=1.0), record=False)  # compile once, not in every process at the same time
+    pool = ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=multiprocessing.get_context("spawn"))
+    try:
+        with uninterrupted():
+            waiting: dict[Future[Found | str], str] = {pool.submit(_silent, name, folder): name for name in wanted}
+        while waiting:
+            ready, _ = wait(waiting, timeout=_POLL, return_when=FIRST_COMPLETED)
+            advance(len(wanted) - len(waiting), len(wanted), ", ".join(list(waiting.values())[:jobs]))
+            for future in ready:
+                yield waiting.pop(future), future.result()
+    except BrokenProcessPool:
+        raise GaitsmithError("a worker process was killed; run again with fewer jobs") from None
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in multiprocessing.active_children():
+            child.kill()
 
 
 def _page(
