@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.splines.polynomial import bernstein
+from gaitsmith.splines.polynomial import bernstein, lobatto
 
 Array = npt.NDArray[np.float64]
+
+
+@cache
+def quadrature(count: int) -> tuple[Array, Array]:
+    """Gauss-Lobatto nodes in [0, 1] and weights that sum to 1, found once; they cannot be written to."""
+    found = lobatto(count)
+    for values in found:
+        values.flags.writeable = False
+    return found
 
 
 class JointSpline:
@@ -28,17 +39,23 @@ class JointSpline:
         count = len(self.knots) - 1
         self.size = degree + 1 + self.new * (count - 1)
         self.sections = _bezier_maps(self.knots, degree)
+        self._rows: dict[tuple[int, float, int], Array] = {}
 
     def first(self, section: int) -> int:
         """Index of the first control point that a section depends on."""
         return section * self.new
 
     def row(self, section: int, t: float, derivative: int = 0) -> Array:
-        """Weights (degree + 1) of the control points from ``first(section)`` on, for a value or a derivative."""
+        """Weights (degree + 1) of the control points from ``first(section)`` on, for a value or a derivative; kept."""
+        kept = self._rows.get((section, t, derivative))
+        if kept is not None:
+            return kept
         span = self.knots[section + 1] - self.knots[section]
         s = (t - self.knots[section]) / span
-        row = bernstein(self.degree, s, derivative) @ self.sections[section] / span**derivative
-        return np.asarray(row)
+        row = np.asarray(bernstein(self.degree, s, derivative) @ self.sections[section] / span**derivative)
+        row.flags.writeable = False
+        self._rows[section, t, derivative] = row
+        return row
 
 
 def _bezier_maps(knots: Array, degree: int) -> list[Array]:

@@ -132,7 +132,7 @@ def make_program(
     for item, share in zip(imposed, shares, strict=True):
         if is_rate(trans, item.phase, item.bound):
             label = rate_label(trans, item.phase, item.bound, item.time)
-            form = rate_form(trans, points, item.phase, item.bound, item.time)
+            form = rate_form(trans, where, item.phase, item.bound, item.time)
             most = 0.5 - item.tighten
             rows.add(label, -most, most, {index: value / label.span for index, value in form.items()})
             continue

@@ -6,7 +6,7 @@ import numpy as np
 
 from gaitsmith.synthesis.program.bounds import Form, Kind
 from gaitsmith.synthesis.program.rows import Label
-from gaitsmith.synthesis.program.transcription import Points, Transcription
+from gaitsmith.synthesis.program.transcription import Transcription
 
 UNIT = "N·m/s"
 
@@ -29,9 +29,9 @@ def rate_label(trans: Transcription, phase: int, bound: int, time: float) -> Lab
     return Label(name, UNIT, phase, time, 2.0 * trans.settings.bounds.torque_rate, kind=Kind.TORQUE)
 
 
-def rate_form(trans: Transcription, points: Points, phase: int, bound: int, time: float) -> Form:
-    """The rate at a time, from the torques at the points of the section around it."""
-    local, layout, where = bound - len(trans.bounds[phase]), trans.layout, points.places()
+def rate_form(trans: Transcription, where: dict[tuple[int, float], int], phase: int, bound: int, time: float) -> Form:
+    """The rate at a time, from the torques at the points of the section around it; ``where``: of all points."""
+    local, layout = bound - len(trans.bounds[phase]), trans.layout
     section = int(trans.instants(phase, np.array([time])).section[0])
     nodes = trans.nodes(phase, section)
     powers = np.arange(len(nodes))

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from gaitsmith.splines.polynomial import lobatto
+from gaitsmith.splines.joint_spline import quadrature
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
@@ -32,7 +32,7 @@ def torque_rates(trans: Transcription, points: Points) -> sp.csr_matrix:
     where = points.places()
     data, rows, columns, row = [], [], [], 0
     for section, phase in enumerate(trans.phase_of_section):
-        nodes, weights = lobatto(trans.nodes_in(phase))
+        nodes, weights = quadrature(trans.nodes_in(phase))
         span = float(np.diff(trans.spline.knots[section : section + 2])[0])
         block = np.sqrt(span * weights)[:, None] * differentiation(nodes) / span
         place = np.array([where[phase, round(float(t), 9)] for t in trans.nodes(phase, section)])

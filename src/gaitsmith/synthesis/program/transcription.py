@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from gaitsmith.splines.joint_spline import JointSpline
-from gaitsmith.splines.polynomial import bernstein, lobatto
+from gaitsmith.splines.joint_spline import JointSpline, quadrature
+from gaitsmith.splines.polynomial import bernstein
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
@@ -20,6 +20,7 @@ from gaitsmith.synthesis.program.margin import drawn_in
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 WRENCH_DEGREE = 3
+_KEPT = 5000  # points of which the map is remembered
 _UNIT = np.eye(WRENCH_DEGREE + 1)
 
 
@@ -86,6 +87,7 @@ class Transcription:
                 self._wrench_first[index] = size
                 size += 6 * (WRENCH_DEGREE + 1)
         self.size = size
+        self._maps: dict[tuple[int, int, float, int], tuple[Array, Indices, Indices]] = {}
         self.limits: list[list[PhaseBound]] = [
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
         ]
@@ -101,7 +103,7 @@ class Transcription:
         time: list[float] = []
         weight: list[float] = []
         for index, item in enumerate(self.motion.phases):
-            nodes, weights = lobatto(self.settings.double_nodes if item.double else self.settings.single_nodes)
+            nodes, weights = quadrature(self.settings.double_nodes if item.double else self.settings.single_nodes)
             for k in range(item.sections):
                 number = self.first_section[index] + k
                 a, b = self.spline.knots[number], self.spline.knots[number + 1]
@@ -127,7 +129,7 @@ class Transcription:
     def nodes(self, phase: int, section: int) -> Array:
         """Times of the Gauss-Lobatto points of a section of a phase, s."""
         a, b = self.spline.knots[section : section + 2]
-        return np.asarray(a + (b - a) * lobatto(self.nodes_in(phase))[0])
+        return np.asarray(a + (b - a) * quadrature(self.nodes_in(phase))[0])
 
     def nodes_in(self, phase: int) -> int:
         """How many there are in a section of a phase."""
@@ -166,30 +168,36 @@ class Transcription:
 
     def input_map(self, points: Points) -> sp.csr_matrix:
         """(K * inputs, size) map from x to the inputs of all points, each in its phase's local frame."""
-        layout, n = self.layout, self.biped.joints
-        width = self.spline.degree + 1
-        borders, scale = self.borders, self.biped.weight
+        inputs = self.layout.inputs
+        places = (points.phase, points.section, points.time, points.control)
+        found = [self._inputs_of(*item) for item in zip(*(values.tolist() for values in places), strict=True)]
+        data, rows, columns = (np.concatenate([item[k] for item in found]) for k in range(3))
+        rows = rows + np.repeat(inputs * np.arange(points.count), [len(item[0]) for item in found])
+        return sp.csr_matrix((data, (rows, columns)), shape=(points.count * inputs, self.size))
+
+    def _inputs_of(self, index: int, section: int, t: float, control: int) -> tuple[Array, Indices, Indices]:
+        """Values, rows and columns of one point's part of the map; kept."""
+        kept = self._maps.get((index, section, t, control))
+        if kept is not None:
+            return kept
+        layout, n, phase = self.layout, self.biped.joints, self.motion.phases[index]
+        width, local = self.spline.degree + 1, np.arange(n)
+        # Local joint j is the robot's joint j, or its partner's mirror image.
+        source = local if phase.side > 0 else self.biped.partner
+        sign = np.ones(n) if phase.side > 0 else self.biped.sign
+        starts = source * self.spline.size + self.spline.first(section)
         data, rows, columns = [], [], []
-        local = np.arange(n)
-        for k in range(points.count):
-            index, section, t = int(points.phase[k]), int(points.section[k]), float(points.time[k])
-            phase = self.motion.phases[index]
-            base = k * layout.inputs
-            # Local joint j is the robot's joint j, or its partner's mirror image.
-            source = local if phase.side > 0 else self.biped.partner
-            sign = np.ones(n) if phase.side > 0 else self.biped.sign
-            starts = source * self.spline.size + self.spline.first(section)
-            block = (starts[:, None] + np.arange(width)).ravel()
-            for derivative in range(3):
-                row = self.spline.row(section, t, derivative)
-                data.append((sign[:, None] * row).ravel())
-                rows.append(np.repeat(base + derivative * n + local, width))
-                columns.append(block)
-            if phase.double:
-                s, control = (t - borders[index]) / phase.duration, int(points.control[k])
-                shares = bernstein(WRENCH_DEGREE, min(max(s, 0.0), 1.0)) if control < 0 else _UNIT[control]
-                data.append(np.tile(scale * shares, 6))
-                rows.append(np.repeat(base + layout.wrench + np.arange(6), WRENCH_DEGREE + 1))
-                columns.append(self.wrench_columns(index).ravel())
-        shape = (points.count * layout.inputs, self.size)
-        return sp.csr_matrix((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+        for derivative in range(3):
+            data.append((sign[:, None] * self.spline.row(section, t, derivative)).ravel())
+            rows.append(np.repeat(derivative * n + local, width))
+            columns.append((starts[:, None] + np.arange(width)).ravel())
+        if phase.double:
+            s = min(max((t - self.borders[index]) / phase.duration, 0.0), 1.0)
+            shares = bernstein(WRENCH_DEGREE, s) if control < 0 else _UNIT[control]
+            data.append(np.tile(self.biped.weight * shares, 6))
+            rows.append(np.repeat(layout.wrench + np.arange(6), WRENCH_DEGREE + 1))
+            columns.append(self.wrench_columns(index).ravel())
+        found = np.concatenate(data), np.concatenate(rows), np.concatenate(columns)
+        if len(self._maps) < _KEPT:
+            self._maps[index, section, t, control] = found
+        return found
