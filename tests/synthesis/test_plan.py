@@ -50,7 +50,7 @@ def test_neighbours_start_warm(planner, dynamic):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_random_starts_find_the_same_optimum(planner, static, seed):
-    motion, settings = cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings()
+    motion, settings = cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings().sized(planner.biped, 0.3)
     trans = Transcription(planner.biped, motion, settings)
     start, moved = default_start(trans), planner.biped.joints * trans.spline.size
     start[:moved] += np.random.default_rng(seed).uniform(-0.1, 0.1, moved)

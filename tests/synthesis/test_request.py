@@ -64,7 +64,7 @@ def test_what_is_derived_out_of_range_names_what_was_given(given):
 def test_shorter_steps_at_the_same_speed_are_tried_where_there_is_no_gait(faster, solved_below, tried):
     seen = []
 
-    def plan(motion, settings, report):
+    def plan(motion, settings, neighbour, report):
         seen.append((motion.parameters["length"], motion.parameters["period"]))
         return SimpleNamespace(gait="gait" if seen[-1][1] < solved_below else None)
 

@@ -153,7 +153,7 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
 
     def run(motion: Motion, chosen: Settings, neighbour: PlanResult | None = None) -> PlanResult:
         tell = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
-        found = planner.plan(motion, chosen, neighbour, report=tell)
+        found = planner.plan(motion, chosen, neighbour=neighbour, report=tell)
         if neighbour is None:
             results[motion.name] = found
         return found

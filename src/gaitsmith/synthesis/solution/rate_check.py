@@ -22,7 +22,8 @@ Array = npt.NDArray[np.float64]
 _SAMPLES = 12  # Chebyshev nodes a piece
 _FINE = 16  # instants a piece at which a rate is looked at
 _MARGIN = 0.01  # of the bound: what lies between these instants
-_TIGHTEST = 0.35  # of a span
+_TIGHTEST = 0.4  # of a span
+_NEAR, _SAME = 0.15, 0.03  # of a section: instants that say much the same, and as good as the same
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +59,8 @@ def largest_rate(rates: list[Rates]) -> float:
 
 
 def too_fast(trans: Transcription, rates: list[Rates]) -> bool:
-    """Whether any rate exceeds its bound."""
-    return largest_rate(rates) > trans.settings.bounds.torque_rate
+    """Whether any rate exceeds its bound; quartics jump, so that they have none."""
+    return trans.settings.order > 4 and largest_rate(rates) > trans.settings.bounds.torque_rate
 
 
 def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBound]) -> list[ImposedBound]:
@@ -77,16 +78,17 @@ def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBou
                 k = int(np.argmax(sizes[local]))
                 bound, time = len(trans.bounds[phase]) + local, float(item.times[inside[k]])
                 excess = 0.5 * (float(sizes[local, k]) / most - 1.0) + _MARGIN
+                span = float(np.diff(trans.spline.knots)[section])
                 near = [
-                    index
+                    (abs(old.time - time) / span, index)
                     for index, old in enumerate(found)
                     if (old.phase, old.bound) == (phase, bound)
-                    and abs(old.time - time) < 0.15 * float(np.diff(trans.spline.knots)[section])
                 ]
-                if near:
-                    old = found[near[0]]
-                    found[near[0]] = ImposedBound(phase, bound, old.time, min(old.tighten + excess, _TIGHTEST))
-                else:
+                apart, index = min(near, default=(1.0, -1))
+                if apart < _NEAR and found[index].tighten < _TIGHTEST:
+                    old = found[index]
+                    found[index] = ImposedBound(phase, bound, old.time, min(old.tighten + excess, _TIGHTEST))
+                if apart > _SAME:
                     found.append(ImposedBound(phase, bound, time, 0.5 * _MARGIN))
     return found
 
