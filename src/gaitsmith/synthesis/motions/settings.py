@@ -84,7 +84,7 @@ class Settings(Parameters):
     bounds: Bounds = Bounds()
     wrench_weight: Positive = 0.003
     rate_weight: Weight = 2e-4
-    acceleration_weight: Weight = 3e-5
+    acceleration_weight: Weight = 1e-5
     single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
     double_nodes: Annotated[int, Field(ge=3, le=20)] = 4
     refinements: Annotated[int, Field(ge=0, le=30)] = 12
