@@ -18,6 +18,8 @@ LEFT: Colour = (60, 140, 225)
 RIGHT: Colour = (240, 130, 60)
 """Colours of the legs wherever something belongs to one."""
 _MIX = 0.8  # of a leg's colour in geometries that no model maker has coloured
+_BARE: Colour = (205, 209, 215)
+_ROD, _LIGHT = 0.04, 0.005  # radius of a rod in hip heights; share of the mass below which an end is not drawn
 _SHAPES = mujoco.mjtGeom
 
 
@@ -40,7 +42,7 @@ class Mesh(NamedTuple):
 
 
 def meshes_of(robot: Robot) -> list[Mesh]:
-    """A robot's visual geometries; of a body without any, those that collide, tinted by leg."""
+    """A robot's visual geometries; of a body without any, those that collide, tinted by leg; else bones and inertia."""
     model, parts = robot.model, dict[tuple[int, Colour, float], list[trimesh.Trimesh]]()
     collides = (model.geom_contype | model.geom_conaffinity) != 0
     dressed = set(model.geom_bodyid[~collides & (model.geom_group < 3)].tolist())
@@ -62,11 +64,48 @@ def meshes_of(robot: Robot) -> list[Mesh]:
             mixed = (1.0 - _MIX) * np.array(colour) + _MIX * np.array(tints[body])
             colour = (int(mixed[0]), int(mixed[1]), int(mixed[2]))
         parts.setdefault((body, colour, opacity), []).append(shape)
+    for body in set(range(1, model.nbody)) - {body for body, _, _ in parts}:
+        if bones := _bones(robot, body):
+            parts[body, tints.get(body, _BARE), 1.0] = bones
     found = []
     for (body, colour, opacity), shapes in parts.items():
         whole = trimesh.util.concatenate(shapes)
+        if len(shapes) > 2 and _only_spheres(model, body):
+            whole = whole.convex_hull  # the corners of a sole
         found.append(Mesh(body, np.asarray(whole.vertices), np.asarray(whole.faces), colour, opacity))
     return found
+
+
+def _only_spheres(model: mujoco.MjModel, body: int) -> bool:
+    """Whether a body has geometries, and all are spheres."""
+    first, count = model.body_geomadr[body], model.body_geomnum[body]
+    return count > 0 and all(model.geom_type[first : first + count] == _SHAPES.mjGEOM_SPHERE)
+
+
+def _bones(robot: Robot, body: int) -> list[trimesh.Trimesh]:
+    """What stands for a body without shapes: rods to the next joints; for torso and ends a box of the same inertia."""
+    model, size = robot.model, float(robot.card.gait.height)
+    children = [child for child in range(1, model.nbody) if model.body_parentid[child] == body]
+    rods, thick = [], _ROD * size
+    for child in children:
+        end = model.body_pos[child]
+        length = float(np.linalg.norm(end))
+        if length > thick:
+            rod = trimesh.creation.capsule(length, thick, count=(16, 16))
+            rod.apply_transform(trimesh.geometry.align_vectors((0.0, 0.0, 1.0), end / length))
+            rods.append(rod)
+    if body != robot.torso_body and rods:
+        return rods
+    mass, moments = float(model.body_mass[body]), model.body_inertia[body]
+    if mass < _LIGHT * robot.mass:
+        return rods
+    # A uniform box of half sizes a, b, c has the moments of inertia m (b² + c²) / 3, and so on.
+    half = np.sqrt(np.maximum(1.5 * (moments.sum() - 2.0 * moments) / mass, thick**2))
+    box, turn, rotation = trimesh.creation.box(2.0 * half), np.eye(4), np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, model.body_iquat[body])
+    turn[:3, :3], turn[:3, 3] = rotation.reshape(3, 3), model.body_ipos[body]
+    box.apply_transform(turn)
+    return [*rods, box]
 
 
 def _tints(robot: Robot) -> dict[int, Colour]:
