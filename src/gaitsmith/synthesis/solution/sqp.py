@@ -74,10 +74,11 @@ def solve_sqp(
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
         if violation < _ROWS and gain < _GAIN * abs(cost):
-            x, left = _settled(program, x + step, found)
+            nearer, left = _settled(program, x + step, found)
             solved = left < _SETTLED
-            status = "Solve_Succeeded" if solved else "Restoration_Failed"
-            break
+            if solved or iteration == max_iterations:
+                x, status = nearer, "Solve_Succeeded" if solved else "Restoration_Failed"
+                break  # else these bounds are not the ones that are met: another step tells which are
         if not np.isfinite(size) or (size > 4.0 * previous and size > 0.05):
             status = "Diverged"
             break
