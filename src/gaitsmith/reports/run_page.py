@@ -16,7 +16,7 @@ _COUNTERS = {
     "ik_fallbacks": "ticks in which the inverse kinematics fell back",
     "stops_dropped": "ticks that could not keep every joint off its stops",
     "touchdowns_forced": "steps ended by the clock instead of by contact",
-    "refused_ticks": "ticks with readings that could not be used",
+    "refused_ticks": "ticks with readings that were replaced",
 }
 STAGE_HEADINGS = (
     *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "error\nmm/s", "v_y error\nmm/s"),
@@ -58,6 +58,14 @@ def outcome(page: Page, summary: Summary) -> None:
     """How it ended, in a line."""
     if summary.fall is not None:
         page.text(f"Fell at {summary.fall.time:.2f} s, {summary.fall.phase}: {summary.fall.reason}.", "bad")
+        if (cause := summary.fall.cause) is not None:
+            tried = {
+                None: "not tried; gaitsmith why does",
+                True: "without it the robot stands",
+                False: "it falls without it too",
+            }
+            told = tried[cause.confirmed]
+            page.text(f"Most likely begun by: {cause.what} ({told}).")
     elif summary.interrupted:
         page.text(f"Interrupted after {summary.duration:.2f} s, upright.", "bad")
     else:
@@ -114,9 +122,10 @@ def faults(page: Page, run: Run) -> None:
     """Everything that did not go as usual, counted; that nothing happened is said too."""
     summary, last = run.summary, dict(zip(run.log.columns, run.log.rows[-1], strict=True))
     rows = [(what, f"{int(last[name])}") for name, what in _COUNTERS.items() if name in last]
-    rows += [(f"ticks with unusable readings of {sensor}", f"{count}") for sensor, count in summary.refused.items()]
+    rows += [(f"ticks with replaced readings of {sensor}", f"{count}") for sensor, count in summary.refused.items()]
     rows.append(("rows that the log lacks", f"{summary.log.dropped if summary.log else 0}"))
     rows.append(("ticks over the control period", f"{summary.tick_us.overruns}"))
     rows += [(f"physics engine: {warning}", "1") for warning in summary.warnings]
+    rows += [(f"{f.time:.3f} s: {f.component}, {f.type}: {f.reaction}", "1") for f in summary.faults]
     happened = [row for row in rows if row[1] != "0"]
     page.table(("what", "how often"), happened or [("nothing that is counted happened", "0")])
