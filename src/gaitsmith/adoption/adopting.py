@@ -26,9 +26,10 @@ from gaitsmith.adoption.trials import Doctor, Test, examine
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.experiments.store import Store
-from gaitsmith.files import why_unwritable, write_bytes_atomic, write_text_atomic
+from gaitsmith.files import write_bytes_atomic, write_text_atomic
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.model_file import ModelFile, listed, open_model
+from gaitsmith.simulation.run_folder import check_new_folder
 from gaitsmith.view.canvas import save
 from gaitsmith.view.portrait import draw_portrait
 
@@ -98,10 +99,10 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
     progress(0, 0, "reading the model")
     path = find_model(wishes.model)
     if wishes.out:
-        _free_folder(wishes.out)
+        check_new_folder(wishes.out)
     found = open_model(path)
     name = _robot_name(wishes, path, str(found.spec.modelname))
-    out = _free_folder(wishes.out or name)
+    out = check_new_folder(wishes.out or name)
     flags = Flags(wishes.feet, wishes.torso)
     anatomy: Anatomy | None = None
     try:
@@ -162,20 +163,6 @@ def _robot_name(wishes: Wishes, path: Path, own: str) -> str:
     said = [name for name in (path.stem, own, path.resolve().parent.name) if name.lower() not in _PLAIN]
     plain = re.sub(r"[^A-Za-z0-9_.-]+", "_", said[0] if said else "").strip("_.-")
     return plain[:64] or "robot"
-
-
-def _free_folder(given: str) -> Path:
-    """The folder to write, which must not be there yet."""
-    out = Path(given)
-    try:
-        if os.path.lexists(out):
-            raise BadInput("--out", given, "a folder that is not there yet", "delete it, or name another")
-        parent = next(above for above in out.resolve().parents if os.path.lexists(above))
-    except (OSError, ValueError, RuntimeError) as error:
-        raise BadInput("--out", given, "a folder that can be created", str(error)) from None
-    if reason := why_unwritable(parent):
-        raise BadInput("--out", given, "a folder that can be created", reason)
-    return out
 
 
 @contextlib.contextmanager
