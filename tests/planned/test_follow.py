@@ -6,20 +6,38 @@ import numpy as np
 import pytest
 from tests.planned.plans import DOUBLE, HEIGHT, JOINTS, SINGLE, STEP, WIDTH, two_steps
 
+from gaitsmith.compiled import Arena
 from gaitsmith.planned.clock import EARLY, make_plan_clock
 from gaitsmith.planned.evaluate import make_plan_sample
 from gaitsmith.planned.follow import follow
+from gaitsmith.planned.footholds import _room
 from gaitsmith.planned.law import make_following
+from gaitsmith.robots.sole import Sole
 from gaitsmith.whole_body.reference import NONE, make_reference
 
 DT = 1e-3
-SOLE = SimpleNamespace(heel=0.06, toe=0.1, half_width=0.045)
+SOLE = Sole(kind="rectangle", heel=0.06, toe=0.1, half_width=0.045)
 ROBOT = SimpleNamespace(
     legs=[SimpleNamespace(sole=SOLE)] * 2,
     joint_names=["joint"] * JOINTS,
     mass=20.0,
     model=SimpleNamespace(opt=SimpleNamespace(gravity=np.array([0.0, 0.0, -9.81]))),
 )
+
+
+POLYGON = Sole.model_validate({"kind": "polygon", "points": ((-0.06, -0.03), (0.1, 0.0), (0.02, 0.045), (-0.06, 0.03))})
+
+
+@pytest.mark.parametrize("sole", [SOLE, POLYGON], ids=["rectangle", "polygon"])
+@pytest.mark.parametrize(("axis", "sign"), [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)])
+def test_the_room_of_a_centre_of_pressure_ends_at_the_margin_from_an_edge(sole, axis, sign):
+    machine = SimpleNamespace(**{**vars(ROBOT), "legs": [SimpleNamespace(sole=sole)] * 2})
+    following = make_following(machine, SimpleNamespace(table=two_steps(2), height=HEIGHT))
+    cop, effort = np.array([0.01, 0.002]), following.sample.effort
+    effort[-6:] = 0.0, 0.0, 50.0, 50.0 * cop[1], -50.0 * cop[0], 0.0
+    cop[axis] += sign * _room(Arena(following), 1, axis, sign)
+    gaps = sole.edges[:, 2] - sole.edges[:, :2] @ cop
+    assert gaps.min() == pytest.approx(following.law.margin, abs=1e-12)
 
 
 class World:

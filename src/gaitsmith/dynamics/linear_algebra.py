@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from gaitsmith.compiled import IntVector, Matrix, kernel
+from gaitsmith.compiled.lanes import LANES, plus, put, take, times
 
 
 @kernel
@@ -50,24 +51,26 @@ def factor_tree(a: Matrix, parent: IntVector, l: Matrix) -> bool:  # noqa: E741
 
 @kernel
 def solve_tree(l: Matrix, parent: IntVector, b: Matrix, m: int) -> None:  # noqa: E741
-    """Replace the first m columns of ``b`` by the solution of Lᵀ L X = b; ``l`` is from :func:`factor_tree`."""
+    """Replace the first m columns of ``b`` by the solution of Lᵀ L X = b; ``l`` is from :func:`factor_tree`.
+
+    ``b`` has :func:`~gaitsmith.compiled.lanes.padded` columns; those between m and the next multiple of eight are lost.
+    """
     n = parent.shape[0]
-    for k in range(n - 1, -1, -1):
-        over = l[k, k]
-        for j in range(m):
-            b[k, j] *= over
-        i = parent[k]
-        while i >= 0:
-            share = l[k, i]
-            for j in range(m):
-                b[i, j] -= share * b[k, j]
-            i = parent[i]
-    for k in range(n):
-        i, over = parent[k], l[k, k]
-        while i >= 0:
-            share = l[k, i]
-            for j in range(m):
-                b[k, j] -= share * b[i, j]
-            i = parent[i]
-        for j in range(m):
-            b[k, j] *= over
+    for c in range(0, m, LANES):
+        for k in range(n - 1, -1, -1):
+            x = times(take(b, k, c), l[k, k])
+            put(b, k, c, x)
+            i = parent[k]
+            while i >= 0:
+                put(b, i, c, plus(take(b, i, c), -l[k, i], x))
+                i = parent[i]
+        for k in range(n):
+            x = take(b, k, c)
+            above = parent[k]
+            if above >= 0:  # comes last: it has just been found
+                i = parent[above]
+                while i >= 0:
+                    x = plus(x, -l[k, i], take(b, i, c))
+                    i = parent[i]
+                x = plus(x, -l[k, above], take(b, above, c))
+            put(b, k, c, times(x, l[k, k]))

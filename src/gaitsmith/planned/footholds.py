@@ -31,11 +31,16 @@ def locate(plan: PlanTable, law: FollowLaw, section: int, state: FollowState, po
         kind = plan.contact[section, row]
         if kind == NONE:
             continue
-        arm = -law.heel[row] if kind == HEEL else law.toe[row] if kind == TOE else 0.0
+        arm = across = 0.0
+        if kind in (HEEL, TOE):
+            end = law.end[row, 0 if kind == HEEL else 1]
+            arm, across = end[0], 0.5 * (end[1] + end[2])
         x, y, z = plan.place[section, row, 0], plan.place[section, row, 1], plan.place[section, row, 2]
-        state.place[row, 0] = position[row, 0] + arm * (rotation[row, 0, 0] - cos) - (cos * x - sin * y)
-        state.place[row, 1] = position[row, 1] + arm * (rotation[row, 1, 0] - sin) - (sin * x + cos * y)
-        state.place[row, 2] = position[row, 2] + arm * rotation[row, 2, 0] - z
+        state.place[row, 0] = position[row, 0] - (cos * x - sin * y)
+        state.place[row, 1] = position[row, 1] - (sin * x + cos * y)
+        state.place[row, 2] = position[row, 2] + arm * rotation[row, 2, 0] + across * rotation[row, 2, 1] - z
+        state.place[row, 0] += arm * (rotation[row, 0, 0] - cos) + across * (rotation[row, 0, 1] + sin)
+        state.place[row, 1] += arm * (rotation[row, 1, 0] - sin) + across * (rotation[row, 1, 1] - cos)
 
 
 @kernel
@@ -92,15 +97,17 @@ def _held(plan: PlanTable, law: FollowLaw, following: int) -> float:
 
 @kernel
 def _room(g: Following, row: int, axis: int, sign: float) -> float:
-    """Distance of the planned CoP of a sole from the edge that lies towards ``sign``, less the margin, m."""
+    """Way of the planned CoP of a sole along an axis, towards ``sign``, to where it is the margin from an edge, m."""
     effort, law = g.sample.effort, g.law
-    wrench = effort.shape[0] - PER_SOLE * (law.heel.shape[0] - row)
+    wrench = effort.shape[0] - PER_SOLE * (law.edges.shape[0] - row)
     force = max(effort[wrench + 2], 1e-6)
-    if axis == 0:
-        edge, cop = law.toe[row] if sign > 0.0 else law.heel[row], -effort[wrench + 4] / force
-    else:
-        edge, cop = law.half_width[row], effort[wrench + 3] / force
-    return float(max(edge - law.margin - sign * cop, 0.0))
+    x, y, room = -effort[wrench + 4] / force, effort[wrench + 3] / force, math.inf
+    for k in range(law.edges[row]):
+        edge = law.edge[row, k]
+        towards = sign * edge[axis]
+        if towards > 1e-9:
+            room = min(room, (edge[2] - law.margin - edge[0] * x - edge[1] * y) / towards)
+    return float(max(room, 0.0)) if room < math.inf else 0.0
 
 
 @kernel

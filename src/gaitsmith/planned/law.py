@@ -12,6 +12,7 @@ from gaitsmith.compiled import Cube, IntVector, Matrix, Vector
 from gaitsmith.planned.clock import PlanClock, make_plan_clock
 from gaitsmith.planned.evaluate import PlanSample, make_plan_sample
 from gaitsmith.planned.table import Plan, PlanTable, empty_table
+from gaitsmith.whole_body.legs import edge_table
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -63,9 +64,9 @@ class FollowLaw(NamedTuple):
 
     Attributes:
         separation: least lateral distance between the soles' origins, m.
-        heel: (n,) m behind the sole frame's origin.
-        toe: (n,) m ahead of it.
-        half_width: (n,) m.
+        edges: (n,) how many every sole has.
+        edge: (n, most, 3) outward unit normal and distance from the sole frame's origin, m.
+        end: (n, 2, 3) heel's and toe's edge: x, least and greatest y, m.
     """
 
     omega: float
@@ -85,9 +86,9 @@ class FollowLaw(NamedTuple):
     slowest: float
     horizon: float
     frozen: float
-    heel: Vector
-    toe: Vector
-    half_width: Vector
+    edges: IntVector
+    edge: Cube
+    end: Cube
 
 
 class FollowState(NamedTuple):
@@ -159,6 +160,7 @@ def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
     gravity = float(np.linalg.norm(robot.model.opt.gravity))
     omega, speed = math.sqrt(gravity / z), math.sqrt(gravity * z)
     soles = [leg.sole for leg in robot.legs]
+    edges, edge = edge_table(soles)
     return FollowLaw(
         omega=omega,
         touchdown_force=given.touchdown_force * robot.mass * gravity,
@@ -177,7 +179,7 @@ def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
         slowest=given.slowest,
         horizon=given.horizon / omega,
         frozen=given.frozen / omega,
-        heel=np.array([sole.heel for sole in soles]),
-        toe=np.array([sole.toe for sole in soles]),
-        half_width=np.array([sole.half_width for sole in soles]),
+        edges=edges,
+        edge=edge,
+        end=np.array([sole.ends for sole in soles]),
     )

@@ -67,16 +67,16 @@ def _make_basis(hessian: Matrix, factor: Matrix, basis: Matrix, n: int) -> bool:
 
 
 @kernel
-def _project(rows: Matrix, basis: Matrix, n: int, base: int, k: int, sign: float, into: Vector) -> float:
+def _project(qp: QuadraticProgram, basis: Matrix, n: int, base: int, k: int, sign: float, into: Vector) -> float:
     """``into`` = Jᵀ times the signed normal of constraint k; returns its squared norm."""
-    norm = 0.0
+    norm, j = 0.0, k - base
     for i in range(n):
         if k < base:
             total = basis[i, k]
         else:
             total = 0.0
-            for p in range(n):
-                total += basis[i, p] * rows[k - base, p]
+            for p in range(qp.span[j, 0], min(qp.span[j, 1], n)):
+                total += basis[i, p] * qp.rows[j, p]
         into[i] = sign * total
         norm += total * total
     return norm
@@ -184,7 +184,7 @@ def _seed(qp: QuadraticProgram) -> int:
             sign = -1.0 if qp.active[k] > 0 else 1.0
             if not abs(low[k] if sign > 0.0 else high[k]) < np.inf:
                 continue
-            norm = _project(qp.rows, basis, n, base, k, sign, d)
+            norm = _project(qp, basis, n, base, k, sign, d)
             tail = 0.0
             for p in range(q, n):
                 tail += d[p] * d[p]
@@ -209,7 +209,7 @@ def _seed(qp: QuadraticProgram) -> int:
 
 @kernel
 def _most_violated(
-    rows: Matrix, vectors: Matrix, kind: IntVector, x: Vector, n: int, m: int, unit: float
+    qp: QuadraticProgram, vectors: Matrix, kind: IntVector, x: Vector, n: int, m: int, unit: float
 ) -> tuple[int, float, float]:
     """Constraint outside the working set with the largest scaled violation, its side, and that violation."""
     metric, low, high = vectors[METRIC], vectors[LOW], vectors[HIGH]
@@ -223,8 +223,8 @@ def _most_violated(
             value = x[k]
         else:
             value = 0.0
-            for p in range(n):
-                value += rows[k - base, p] * x[p]
+            for p in range(qp.span[i - n, 0], min(qp.span[i - n, 1], n)):
+                value += qp.rows[i - n, p] * x[p]
         below, above = (low[k] - value) * metric[k], (value - high[k]) * metric[k]
         if below > worst:
             chosen, side, worst = k, 1.0, below
@@ -254,7 +254,7 @@ def solve_dual(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
         unit = 0.0
         for i in range(n):
             unit = max(unit, abs(qp.gradient[i]) / metric[i], abs(x[i]) * metric[i])
-        entering, side, worst = _most_violated(qp.rows, vectors, kind, x, n, m, unit)
+        entering, side, worst = _most_violated(qp, vectors, kind, x, n, m, unit)
         if entering < 0:
             break
         gain = 0.0
@@ -264,7 +264,7 @@ def solve_dual(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
             if iterations > iteration_limit:
                 status = ITERATION_LIMIT
                 break
-            norm = _project(qp.rows, basis, n, base, entering, side, d)
+            norm = _project(qp, basis, n, base, entering, side, d)
             tail = 0.0
             for k in range(q, n):
                 tail += d[k] * d[k]

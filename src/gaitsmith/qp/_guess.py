@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
+from gaitsmith.compiled import Matrix, Vector, kernel
+from gaitsmith.compiled.lanes import LANES, none, plus, product, put, sum_of, take, times, total
 from gaitsmith.qp._storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
@@ -23,6 +24,7 @@ from gaitsmith.qp._storage import (
     NOT_CONVEX,
     NOT_FINITE,
     OPTIMAL,
+    PIVOT,
     PRIMAL_TOLERANCE,
     SIGN_TOLERANCE,
     SLOPE,
@@ -42,37 +44,41 @@ def is_finite(qp: QuadraticProgram) -> bool:
         for k in range(n):
             poison += 0.0 * qp.hessian[i, k]
     for j in range(qp.size[1]):
-        for i in range(n):
+        for i in range(qp.span[j, 0], min(qp.span[j, 1], n)):
             poison += 0.0 * qp.rows[j, i]
     return poison == 0.0
 
 
 @kernel
-def _norm(row: Vector, scale: Vector, n: int) -> float:
-    """Squared norm of a row in scaled units; four sums, because each waits for its own last addition."""
-    a = b = c = d = 0.0
-    for i in range(0, n - 3, 4):
-        a += (row[i] * scale[i]) ** 2
-        b += (row[i + 1] * scale[i + 1]) ** 2
-        c += (row[i + 2] * scale[i + 2]) ** 2
-        d += (row[i + 3] * scale[i + 3]) ** 2
-    for i in range(n // 4 * 4, n):
-        a += (row[i] * scale[i]) ** 2
-    return (a + b) + (c + d)
+def _dot(a: Matrix, i: int, b: Matrix, k: int, first: int, end: int) -> float:
+    """Product of two rows, from the eight that ``first`` is among; both are zero where they do not count."""
+    found = none()
+    for c in range(first // LANES * LANES, end, LANES):
+        found = sum_of(found, product(take(a, i, c), take(b, k, c)))
+    return float(total(found))
 
 
 @kernel
-def _product(row: Vector, x: Vector, n: int) -> float:
-    """A row times x, in the same way."""
-    a = b = c = d = 0.0
-    for i in range(0, n - 3, 4):
-        a += row[i] * x[i]
-        b += row[i + 1] * x[i + 1]
-        c += row[i + 2] * x[i + 2]
-        d += row[i + 3] * x[i + 3]
-    for i in range(n // 4 * 4, n):
-        a += row[i] * x[i]
-    return (a + b) + (c + d)
+def _forward(factor: Matrix, over: Vector, x: Matrix, row: int, out: Vector, first: int, free: int) -> None:
+    """``out = L⁻¹ x`` for a row of x that is zero before ``first``; it is lost.
+
+    What is written one by one is not read eight at a time soon after: the processor would wait.
+    """
+    for i in range(first, free):
+        value = x[row, i] * over[i]
+        for c in range(i // LANES * LANES, free, LANES):
+            put(x, row, c, plus(take(x, row, c), -value, take(factor, i, c)))
+        out[i] = value
+
+
+@kernel
+def _span_product(qp: QuadraticProgram, row: int, n: int) -> float:
+    """A row of the problem times x."""
+    first, end = qp.span[row, 0], min(qp.span[row, 1], n)
+    coefficients, x, value = qp.rows[row, first:end], qp.solution[first:end], 0.0
+    for i in range(end - first):
+        value += coefficients[i] * x[i]
+    return value
 
 
 @kernel
@@ -97,9 +103,12 @@ def prepare(qp: QuadraticProgram) -> int:
         poison += 0.0 * qp.gradient[i] + 0.0 * diagonal
         low[i], high[i] = qp.lower[i], qp.upper[i]
     for j in range(m):
-        total = _norm(qp.rows[j], inverse, n)
-        poison += 0.0 * total
-        metric[base + j] = 1.0 / np.sqrt(total) if total > 0.0 else 1.0
+        first, end = qp.span[j, 0], min(qp.span[j, 1], n)
+        coefficients, units, norm = qp.rows[j, first:end], inverse[first:end], 0.0
+        for i in range(end - first):
+            norm += (coefficients[i] * units[i]) ** 2
+        poison += 0.0 * norm
+        metric[base + j] = 1.0 / np.sqrt(norm) if norm > 0.0 else 1.0
         low[base + j], high[base + j] = qp.row_lower[j], qp.row_upper[j]
     if not convex:
         return NOT_CONVEX
@@ -117,97 +126,86 @@ def prepare(qp: QuadraticProgram) -> int:
 @kernel
 def _kkt_step(factor: Matrix, normals: Matrix, schur: Matrix, vectors: Matrix, free: int, held: int) -> None:
     """Change of the free variables (STEP) and of the active rows' multipliers (FORCE) that ends SLOPE and GAP."""
-    slope, gap, step, force = vectors[SLOPE], vectors[GAP], vectors[STEP], vectors[FORCE]
-    for i in range(free):
-        total = slope[i]
-        for k in range(i):
-            total -= factor[i, k] * step[k]
-        step[i] = total * factor[i, i]
+    gap, step, force, over = vectors[GAP], vectors[STEP], vectors[FORCE], vectors[PIVOT]
+    for i in range(step.shape[0]):
+        step[i] = 0.0
+    _forward(factor, over, vectors, SLOPE, step, 0, free)
     for j in range(held):
-        total = gap[j]
-        for i in range(free):
-            total += normals[j, i] * step[i]
+        found = gap[j] + _dot(normals, j, vectors, STEP, 0, free)
         for k in range(j):
-            total -= schur[j, k] * force[k]
-        force[j] = total * schur[j, j]
+            found -= schur[j, k] * force[k]
+        force[j] = found * schur[j, j]
     for j in range(held - 1, -1, -1):
-        total = force[j] * schur[j, j]
-        force[j] = total
+        found = force[j] * schur[j, j]
+        force[j] = found
         for k in range(j):
-            force[k] -= schur[j, k] * total
+            force[k] -= schur[j, k] * found
     for i in range(free):
         step[i] = -step[i]
     for j in range(held):
         for i in range(free):
             step[i] += normals[j, i] * force[j]
     for i in range(free - 1, -1, -1):
-        total = step[i] * factor[i, i]
-        step[i] = total
-        for k in range(i):
-            step[k] -= factor[i, k] * total
+        line, after = factor[i, i + 1 : free], step[i + 1 : free]
+        value, more = step[i], 0.0
+        for k in range(after.shape[0] // 2):
+            value -= line[2 * k] * after[2 * k]
+            more -= line[2 * k + 1] * after[2 * k + 1]
+        if after.shape[0] % 2 == 1:
+            value -= line[after.shape[0] - 1] * after[after.shape[0] - 1]
+        step[i] = (value + more) * over[i]
 
 
 @kernel
-def _factorise(
-    hessian: Matrix,
-    rows: Matrix,
-    variables: IntVector,
-    members: IntVector,
-    factor: Matrix,
-    normals: Matrix,
-    schur: Matrix,
-    free: int,
-    held: int,
-) -> bool:
-    """Cholesky factors of H_FF and of V Vᵀ, with inverted diagonals; False if one has no full rank."""
+def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
+    """Factors of H_FF = L Lᵀ and of V Vᵀ; False if one has no full rank.
+
+    Kept are Lᵀ without its diagonal, zero elsewhere in the eights that it reaches into, and the inverted diagonals.
+    """
+    variables, members, factor, over = qp.indices[0], qp.indices[1], qp.squares[0], qp.vectors[PIVOT]
+    normals, schur, hessian, slope = qp.normals, qp.schur, qp.hessian, qp.vectors[SLOPE]
     for k in range(free):
-        column = variables[k]
-        diagonal = hessian[column, column]
-        total = diagonal
-        for p in range(k):
-            total -= factor[k, p] * factor[k, p]
-        if not total > _PIVOT * diagonal:
+        column = hessian[variables[k]]
+        for i in range(k, free):
+            factor[k, i] = column[variables[i]]
+        for i in range(free, factor.shape[1]):
+            factor[k, i] = 0.0
+        over[k] = factor[k, k]
+    for k in range(free):
+        pivot = factor[k, k]
+        if not pivot > _PIVOT * over[k]:
             return False
-        over = 1.0 / np.sqrt(total)
-        factor[k, k] = over
-        i = k + 1
-        while i + 3 < free:  # four rows at once: each sum waits for its own last subtraction
-            a, b = hessian[variables[i], column], hessian[variables[i + 1], column]
-            c, d = hessian[variables[i + 2], column], hessian[variables[i + 3], column]
-            for p in range(k):
-                share = factor[k, p]
-                a -= factor[i, p] * share
-                b -= factor[i + 1, p] * share
-                c -= factor[i + 2, p] * share
-                d -= factor[i + 3, p] * share
-            factor[i, k], factor[i + 1, k], factor[i + 2, k], factor[i + 3, k] = a * over, b * over, c * over, d * over
-            i += 4
-        while i < free:
-            total = hessian[variables[i], column]
-            for p in range(k):
-                total -= factor[i, p] * factor[k, p]
-            factor[i, k] = total * over
-            i += 1
+        inverse = 1.0 / pivot
+        for c in range((k + 1) // LANES * LANES, free, LANES):
+            line = times(take(factor, k, c), -inverse)
+            for i in range(k + 1, min(free, c + LANES)):
+                put(factor, i, c, plus(take(factor, i, c), factor[k, i], line))
+        over[k] = np.sqrt(inverse)
+    for k in range(free):
+        for c in range(k // LANES * LANES, free, LANES):
+            put(factor, k, c, times(take(factor, k, c), over[k]))
+    for k in range(free):
+        for i in range(k // LANES * LANES, k + 1):
+            factor[k, i] = 0.0
     for j in range(held):
-        row = members[j]
-        for i in range(free):
-            total = rows[row, variables[i]]
-            for p in range(i):
-                total -= factor[i, p] * normals[j, p]
-            normals[j, i] = total * factor[i, i]
+        row, first = qp.rows[members[j]], free
+        for i in range(normals.shape[1] - 1, -1, -1):
+            slope[i] = row[variables[i]] if i < free else 0.0
+            normals[j, i] = 0.0
+            if slope[i] != 0.0:
+                first = i
+        _forward(factor, over, qp.vectors, SLOPE, normals[j], first, free)
         for k in range(j + 1):
-            total = 0.0
-            for i in range(free):
-                total += normals[j, i] * normals[k, i]
-            diagonal = total
+            diagonal = _dot(normals, j, normals, k, first, free)
+            found = diagonal
             for p in range(k):
-                total -= schur[j, p] * schur[k, p]
+                found -= schur[j, p] * schur[k, p]
             if k < j:
-                schur[j, k] = total * schur[k, k]
+                schur[j, k] = found * schur[k, k]
             else:
-                if not total > DEPENDENT * DEPENDENT * diagonal:
+                if not found > DEPENDENT * DEPENDENT * diagonal:
                     return False
-                schur[j, j] = 1.0 / np.sqrt(total)
+                schur[j, j] = 1.0 / np.sqrt(found)
     return True
 
 
@@ -243,7 +241,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
         if low[k] == high[k] or (side < 0 and low[k] > -np.inf) or (side > 0 and high[k] < np.inf):
             members[held] = j
             held += 1
-    if held > free or not _factorise(qp.hessian, qp.rows, variables, members, factor, qp.normals, qp.schur, free, held):
+    if held > free or not _factorise(qp, free, held):
         return False
 
     unit = worst = poison = 0.0
@@ -269,7 +267,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
         for k in range(held):
             at = base + members[k]
             limit = high[at] if active[at] > 0 and high[at] < np.inf else low[at]
-            gap[k] = limit - _product(qp.rows[members[k]], x, n)
+            gap[k] = limit - _span_product(qp, members[k], n)
             worst = max(worst, abs(gap[k]) * metric[at])
         if worst <= 0.1 * DUAL_TOLERANCE * unit or attempt == 3:
             break
@@ -283,7 +281,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
 
     for i in range(n + m):
         k = i if i < n else base + i - n
-        value = x[k] if i < n else _product(qp.rows[i - n], x, n)
+        value = x[k] if i < n else _span_product(qp, i - n, n)
         slack = PRIMAL_TOLERANCE * unit / metric[k]
         if not low[k] - slack <= value <= high[k] + slack:
             return False

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector
+from gaitsmith.compiled.lanes import padded
 from gaitsmith.errors import BadInput
 
 OPTIMAL = 0
@@ -29,7 +30,7 @@ MAX_VARIABLES = 1000
 METRIC, LOW, HIGH, INVERSE, FULL = 0, 1, 2, 3, 4
 SLOPE, GAP, STEP, FORCE = 5, 6, 7, 8
 NORMAL, MULTIPLIER, SIDE = 9, 10, 11
-KEPT_SOLUTION, KEPT_MULTIPLIERS = 12, 13
+KEPT_SOLUTION, KEPT_MULTIPLIERS, PIVOT = 12, 13, 14
 
 
 class QuadraticProgram(NamedTuple):
@@ -42,6 +43,7 @@ class QuadraticProgram(NamedTuple):
         hessian: H (n, n), symmetric positive definite; both triangles are read.
         gradient: g (n).
         rows: A (m, n).
+        span: (m, 2) columns of each row, from and to before, outside which it is zero.
         row_lower: (m), -inf where there is none; equal to row_upper for an equality.
         row_upper: (m), +inf where there is none.
         lower: (n), -inf where there is none; equal to upper for a fixed variable.
@@ -51,16 +53,17 @@ class QuadraticProgram(NamedTuple):
         active: (n + m), result and warm start of the next solve: -1 at the lower limit, +1 at the upper, 0 free.
             A fixed variable or an equality row is marked by the sign of its multiplier. Zeros are a cold start.
         size: (2), variables and rows in use.
-        squares: scratch (3, n, n): Cholesky factor, basis, triangle.
-        vectors: scratch (14, n + m), rows named below.
+        squares: scratch (3, n, n) with padded columns: Cholesky factor, basis, triangle.
+        vectors: scratch (15, n + m) with padded columns, rows named above.
         indices: scratch (3, n + m).
-        normals: scratch (m, n).
+        normals: scratch (m, n) with padded columns.
         schur: scratch (m, m).
     """
 
     hessian: Matrix
     gradient: Vector
     rows: Matrix
+    span: IntMatrix
     row_lower: Vector
     row_upper: Vector
     lower: Vector
@@ -90,6 +93,7 @@ def make_quadratic_program(n: int, m: int) -> QuadraticProgram:
         hessian=np.eye(n),
         gradient=np.zeros(n),
         rows=np.zeros((m, n)),
+        span=np.tile(np.array([0, n], dtype=np.int64), (m, 1)),
         row_lower=np.full(m, -np.inf),
         row_upper=np.full(m, np.inf),
         lower=np.full(n, -np.inf),
@@ -98,9 +102,9 @@ def make_quadratic_program(n: int, m: int) -> QuadraticProgram:
         multipliers=np.zeros(n + m),
         active=np.zeros(n + m, dtype=np.int64),
         size=np.array([n, m], dtype=np.int64),
-        squares=np.zeros((3, n, n)),
-        vectors=np.zeros((14, n + m)),
+        squares=np.zeros((3, n, padded(n))),
+        vectors=np.zeros((15, padded(n + m))),
         indices=np.zeros((3, n + m), dtype=np.int64),
-        normals=np.zeros((m, n)),
+        normals=np.zeros((m, padded(n))),
         schur=np.zeros((m, m)),
     )

@@ -146,21 +146,21 @@ def observe_contacts(legs: Legs, frames: Frames, kinds: IntVector, contacts: Con
 
 
 @kernel
-def _new_row(qp: QuadraticProgram, m: int) -> int:
-    """Clear row ``m`` and make it ``row · x ≥ 0``; the caller fills the coefficients."""
+def _new_row(qp: QuadraticProgram, m: int, first: int, end: int) -> int:
+    """Clear row ``m`` and make it ``row · x ≥ 0``; the caller fills coefficients from ``first`` to before ``end``."""
     for j in range(qp.rows.shape[1]):
         qp.rows[m, j] = 0.0
-    qp.row_lower[m] = 0.0
-    qp.row_upper[m] = math.inf
+    qp.row_lower[m], qp.row_upper[m] = 0.0, math.inf
+    qp.span[m, 0], qp.span[m, 1] = first, end
     return m + 1
 
 
 @kernel
-def _moment_rows(qp: QuadraticProgram, m: int, normal: int, moment: int, reach: float) -> int:
-    """``|moment| ≤ reach f_z``."""
+def _share_rows(qp: QuadraticProgram, m: int, first: int, end: int, variable: int, reach: float) -> int:
+    """``|x[variable]| ≤ reach f_z``."""
     for sign in (-1.0, 1.0):
-        m = _new_row(qp, m)
-        qp.rows[m - 1, normal], qp.rows[m - 1, moment] = reach, sign
+        m = _new_row(qp, m, first, end)
+        qp.rows[m - 1, first + 2], qp.rows[m - 1, variable] = reach, sign
     return m
 
 
@@ -174,29 +174,25 @@ def contact_bounds(
     every edge of a flat sole. An edge bears the yaw moment that friction at its ends does.
     """
     m, first, kind = row, contacts.first[leg], contacts.kind[leg]
-    normal = first + 2
+    normal, yaw, roll, pitch = first + 2, first + 3, 0, 0
+    if transmits(kind, legs.half_width[leg], ROLL_MOMENT):
+        roll, yaw = yaw, yaw + 1
+    if transmits(kind, legs.half_width[leg], PITCH_MOMENT):
+        pitch, yaw = yaw, yaw + 1
+    end = yaw + 1
     qp.lower[normal], qp.upper[normal] = bounds.normal_low, bounds.normal_high
     for axis in range(2):
-        for sign in (-1.0, 1.0):
-            m = _new_row(qp, m)
-            qp.rows[m - 1, normal], qp.rows[m - 1, first + axis] = bounds.friction, sign
-    roll = pitch = 0
-    variable = first + 3
-    if transmits(kind, legs.half_width[leg], ROLL_MOMENT):
-        roll, variable = variable, variable + 1
-    if transmits(kind, legs.half_width[leg], PITCH_MOMENT):
-        pitch, variable = variable, variable + 1
+        m = _share_rows(qp, m, first, end, first + axis, bounds.friction)
     twist = bounds.yaw_friction
     if kind != FLAT and roll > 0:
         twist = min(twist, _TWIST * bounds.friction * contacts.half_edge[leg])
-        reach = max(contacts.half_edge[leg] - bounds.zmp_margin, 0.0)
-        m = _moment_rows(qp, m, normal, roll, reach)
+        m = _share_rows(qp, m, first, end, roll, max(contacts.half_edge[leg] - bounds.zmp_margin, 0.0))
     for k in range(legs.edges[leg] if kind == FLAT else 0):
         edge = legs.edge[leg, k]
-        m = _new_row(qp, m)
+        m = _new_row(qp, m, first, end)
         qp.rows[m - 1, normal] = max(edge[2] - bounds.zmp_margin, 0.0)
         if pitch > 0:
             qp.rows[m - 1, pitch] = edge[0]
         if roll > 0:
             qp.rows[m - 1, roll] = -edge[1]
-    return _moment_rows(qp, m, normal, variable, twist)
+    return _share_rows(qp, m, first, end, yaw, twist)

@@ -9,7 +9,7 @@ import numpy as np
 from gaitsmith.compiled import IntVector, Matrix, Vector
 from gaitsmith.qp.quadratic_program import QuadraticProgram, make_quadratic_program
 from gaitsmith.whole_body.contact import FORCE_ROWS, ContactBounds, Contacts, make_contacts
-from gaitsmith.whole_body.forward_dynamics import MotionMap, make_motion_map, variable_count
+from gaitsmith.whole_body.forward_dynamics import Motion, make_motion, variable_count
 from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import Reference
 
@@ -64,7 +64,7 @@ class WholeBody(NamedTuple):
     contacts: Contacts
     contact_bounds: ContactBounds
     joint_bounds: JointBounds
-    motion: MotionMap
+    motion: Motion
     program: QuadraticProgram
     solution: Solution
 
@@ -84,7 +84,7 @@ def make_whole_body(
         contacts=make_contacts(nv, n_soles),
         contact_bounds=contact_bounds,
         joint_bounds=joint_bounds,
-        motion=make_motion_map(nv, n_joints, n_soles),
+        motion=make_motion(nv, n_soles),
         program=make_quadratic_program(n, rows),
         solution=Solution(torque, wrench, np.zeros(nv), np.ones(1, dtype=np.int64), **counts),
     )

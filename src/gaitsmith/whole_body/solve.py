@@ -12,7 +12,7 @@ import math
 from gaitsmith.compiled import kernel
 from gaitsmith.qp.quadratic_program import INFEASIBLE, OPTIMAL, QuadraticProgram, solve
 from gaitsmith.whole_body.contact import WRENCH_SIZE, contact_bounds, observe_contacts, transmits
-from gaitsmith.whole_body.forward_dynamics import forward_dynamics_map
+from gaitsmith.whole_body.forward_dynamics import accelerations, begin_motion, express_cost, joint_row
 from gaitsmith.whole_body.problem import WholeBody
 from gaitsmith.whole_body.reference import NONE
 from gaitsmith.whole_body.tasks import (
@@ -34,14 +34,11 @@ _DECAY = 0.98  # per tick, of the torque that is held when no new one can be com
 
 @kernel
 def _torque_bounds(g: WholeBody, tasks: TaskTable, n: int) -> None:
-    """Start of the QP: limits of torques and of their change, cost of their change (eq. 24)."""
+    """Limits of torques and of their change, cost of their change (eq. 24)."""
     qp, solution, limits = g.program, g.solution, g.body.legs.torque_limit
     for i in range(n):
-        qp.gradient[i] = 0.0
         qp.lower[i], qp.upper[i] = -math.inf, math.inf
-        for j in range(i + 1):
-            qp.hessian[i, j] = 0.0
-        qp.hessian[i, i] = tasks.regularisation
+        qp.hessian[i, i] += tasks.regularisation
     step = math.inf if solution.fresh[0] == 1 else g.joint_bounds.torque_step
     for j in range(solution.torque.shape[0]):
         limit, last = limits[j], solution.torque[j]
@@ -54,7 +51,7 @@ def _torque_bounds(g: WholeBody, tasks: TaskTable, n: int) -> None:
 @kernel
 def _stop_rows(g: WholeBody, n: int, row: int) -> int:
     """Rows ``q̈ ≤ r² (stop - q) - 2 r q̇`` of joints near a stop: a critically damped approach does not pass it."""
-    qp, legs, motion, q, v = g.program, g.body.legs, g.motion, g.body.q, g.body.v
+    qp, legs, q, v = g.program, g.body.legs, g.body.q, g.body.v
     m, rate = row, g.joint_bounds.stop_rate
     near = _NEAR * rate * rate
     for j in range(legs.position_low.shape[0]):
@@ -63,10 +60,9 @@ def _stop_rows(g: WholeBody, n: int, row: int) -> int:
         below = rate * rate * (legs.position_low[j] - angle) - speed
         if above > near and below < -near:
             continue
-        for i in range(n):
-            qp.rows[m, i] = motion.map[6 + j, i]
-        qp.row_lower[m] = below - motion.free[6 + j]
-        qp.row_upper[m] = above - motion.free[6 + j]
+        free = joint_row(g.motion, 6 + j, legs.position_low.shape[0], n, qp.rows[m])
+        qp.row_lower[m], qp.row_upper[m] = below - free, above - free
+        qp.span[m, 0], qp.span[m, 1] = 0, n
         m += 1
     return m
 
@@ -92,21 +88,23 @@ def _brake_at_stops(qp: QuadraticProgram, n: int, first: int, last: int) -> None
 def _assemble(g: WholeBody, tasks: TaskTable, n: int) -> int:
     """Cost and bounds of the tick's QP; returns the number of rows of the contacts, the first ones."""
     qp, contacts = g.program, g.contacts
+    for leg in range(contacts.kind.shape[0]):
+        if contacts.kind[leg] != NONE:
+            add_stance(g, tasks, leg)
+        elif tasks.swing.weight > 0.0:
+            add_swing(g, tasks, leg)
+        if tasks.swing_turn.weight > 0.0:
+            add_sole_turn(g, tasks, leg)
+    add_torso(g, tasks)
+    add_body(g, tasks)
+    add_joints(g, tasks)
+    express_cost(g.motion, qp, g.solution.torque.shape[0], n)
     _torque_bounds(g, tasks, n)
     m = 0
     for leg in range(contacts.kind.shape[0]):
-        if contacts.kind[leg] == NONE:
-            if tasks.swing.weight > 0.0:
-                add_swing(g, tasks, n, leg)
-        else:
-            add_stance(g, tasks, n, leg)
+        if contacts.kind[leg] != NONE:
             add_wrench(g, tasks, leg)
             m = contact_bounds(qp, contacts, g.body.legs, g.contact_bounds, leg, m)
-        if tasks.swing_turn.weight > 0.0:
-            add_sole_turn(g, tasks, n, leg)
-    add_torso(g, tasks, n)
-    add_body(g, tasks, n)
-    add_joints(g, tasks, n)
     for i in range(n):
         for j in range(i):
             qp.hessian[j, i] = qp.hessian[i, j]
@@ -118,15 +116,10 @@ def _assemble(g: WholeBody, tasks: TaskTable, n: int) -> int:
 @kernel
 def _accept(g: WholeBody, n: int) -> None:
     """Copy the solution into torque, world wrenches at the soles' origins, and predicted accelerations."""
-    solution, contacts, motion, found = g.solution, g.contacts, g.motion, g.program.solution
-    acceleration, half_width = solution.acceleration, g.body.legs.half_width
+    solution, contacts, found, half_width = g.solution, g.contacts, g.program.solution, g.body.legs.half_width
     for j in range(solution.torque.shape[0]):
         solution.torque[j] = found[j]
-    for k in range(motion.free.shape[0]):
-        total = motion.free[k]
-        for j in range(n):
-            total += motion.map[k, j] * found[j]
-        acceleration[k] = total
+    accelerations(g.motion, found, solution.torque.shape[0], n, solution.acceleration)
     for leg in range(contacts.kind.shape[0]):
         wrench, variable = solution.wrench[leg], contacts.first[leg]
         for i in range(WRENCH_SIZE):
@@ -164,7 +157,7 @@ def solve_whole_body(g: WholeBody, tasks: TaskTable) -> bool:
     solution.solves[0] += 1
     if observe_contacts(g.body.legs, g.body.frames, g.reference.contact, contacts):
         _forget(qp, 0)
-    n = forward_dynamics_map(g.body, contacts, g.motion)
+    n = begin_motion(g.body, contacts, g.motion)
     solution.status[0], solution.iterations[0] = 3, 0
     if n >= 0:
         m = _assemble(g, tasks, n)

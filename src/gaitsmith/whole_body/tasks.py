@@ -1,7 +1,7 @@
 """Cost of the whole-body QP (Han 2023, eqs. 18-23), one function a task.
 
-Every task is a row of accelerations ``row q̈`` with a target and a weight; rows are mapped to the QP's variables
-through the dynamics. Targets follow the reference like a spring and a damper.
+Every task is a row of accelerations ``row q̈`` with a target and a weight. Targets follow the reference like a spring
+and a damper.
 """
 
 from __future__ import annotations
@@ -9,9 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.whole_body.contact import PITCH_MOMENT, ROLL_MOMENT, transmits
-from gaitsmith.whole_body.forward_dynamics import MotionMap
+from gaitsmith.whole_body.forward_dynamics import add_joint, add_row
 from gaitsmith.whole_body.frames import Frames
 from gaitsmith.whole_body.problem import WholeBody
 from gaitsmith.whole_body.reference import FLAT, HIPS, NONE
@@ -64,36 +63,6 @@ class TaskTable(NamedTuple):
 
 
 @kernel
-def add_row(qp: QuadraticProgram, motion: MotionMap, n: int, target: float, weight: float) -> None:
-    """Add ``weight (motion.row q̈ - target)²`` to the cost (lower triangle of the Hessian)."""
-    error = -target
-    for j in range(n):
-        motion.image[j] = 0.0
-    for k in range(motion.row.shape[0]):
-        value = motion.row[k]
-        if value != 0.0:
-            error += value * motion.free[k]
-            for j in range(n):
-                motion.image[j] += value * motion.map[k, j]
-    for i in range(n):
-        scaled = weight * motion.image[i]
-        qp.gradient[i] += scaled * error
-        for j in range(i + 1):
-            qp.hessian[i, j] += scaled * motion.image[j]
-
-
-@kernel
-def add_joint(qp: QuadraticProgram, motion: MotionMap, n: int, dof: int, target: float, weight: float) -> None:
-    """The same for the acceleration of one degree of freedom."""
-    error = motion.free[dof] - target
-    for i in range(n):
-        scaled = weight * motion.map[dof, i]
-        qp.gradient[i] += scaled * error
-        for j in range(i + 1):
-            qp.hessian[i, j] += scaled * motion.map[dof, j]
-
-
-@kernel
 def turn_error(actual: Matrix, wanted: Matrix, out: Vector) -> None:
     """Turn (rad for small ones) that brings one rotation to another, world axes."""
     out[0] = out[1] = out[2] = 0.0
@@ -128,14 +97,14 @@ def _row_along(axis: tuple[float, float, float], jacobian: Matrix, first: int, r
 
 
 @kernel
-def add_stance(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
+def add_stance(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """A bearing sole's pivot does not accelerate, neither does the sole turn, but about its line or edge."""
     contacts, motion = g.contacts, g.motion
     jacobian, bias, axes = contacts.jacobian[leg], contacts.bias[leg], contacts.axes[leg]
     for axis in range(3):
         for k in range(motion.row.shape[0]):
             motion.row[k] = jacobian[axis, k]
-        add_row(g.program, motion, n, -bias[axis], tasks.stance.weight)
+        add_row(motion, -bias[axis], tasks.stance.weight)
     for axis in range(3):
         if not transmits(contacts.kind[leg], g.body.legs.half_width[leg], ROLL_MOMENT + axis):
             continue
@@ -143,11 +112,11 @@ def add_stance(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
         _row_along(direction, jacobian, 3, motion.row)
         spin = _along(direction, g.body.frames.sole_twist[leg], 3)
         target = -tasks.stance_turn.damping * spin - _along(direction, bias, 3)
-        add_row(g.program, motion, n, target, tasks.stance_turn.weight)
+        add_row(motion, target, tasks.stance_turn.weight)
 
 
 @kernel
-def add_swing(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
+def add_swing(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """A sole in the air follows its reference, in the world or relative to the hip midpoint (eqs. 19 and 20)."""
     reference, frames, row, task = g.reference, g.body.frames, g.motion.row, tasks.swing
     position, velocity = reference.sole_position[leg], reference.sole_velocity[leg]
@@ -171,11 +140,11 @@ def add_swing(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
             error_rate = _along(direction, velocity, 0) - _along(direction, frames.sole_twist[leg], 0)
             wanted = _along(direction, reference.sole_acceleration[leg], 0)
         target = wanted + task.stiffness * error + task.damping * error_rate - drift
-        add_row(g.program, g.motion, n, target, task.weight)
+        add_row(g.motion, target, task.weight)
 
 
 @kernel
-def add_sole_turn(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
+def add_sole_turn(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """A sole's rotation follows its reference: about all axes in the air, about its edge on the ground."""
     reference, frames, motion, task = g.reference, g.body.frames, g.motion, tasks.swing_turn
     kind = g.contacts.kind[leg]
@@ -191,11 +160,11 @@ def add_sole_turn(g: WholeBody, tasks: TaskTable, n: int, leg: int) -> None:
         rate = _along(direction, reference.sole_spin[leg], 0) - _along(direction, frames.sole_twist[leg], 3)
         target = _along(direction, reference.sole_angular_acceleration[leg], 0)
         target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
-        add_row(g.program, motion, n, target - _along(direction, frames.sole_bias[leg], 3), task.weight)
+        add_row(motion, target - _along(direction, frames.sole_bias[leg], 3), task.weight)
 
 
 @kernel
-def add_torso(g: WholeBody, tasks: TaskTable, n: int) -> None:
+def add_torso(g: WholeBody, tasks: TaskTable) -> None:
     """The torso's roll, pitch and yaw behave like spring and damper about the reference (eqs. 21 and 22)."""
     reference, frames, motion = g.reference, g.body.frames, g.motion
     turn_error(g.body.state.body_rotation[g.body.legs.torso[0]], reference.torso_rotation, motion.turn)
@@ -209,11 +178,11 @@ def add_torso(g: WholeBody, tasks: TaskTable, n: int) -> None:
         rate = _along(direction, reference.torso_spin, 0) - _along(direction, frames.torso_spin, 0)
         target = _along(direction, reference.torso_angular_acceleration, 0)
         target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
-        add_row(g.program, motion, n, target - _along(direction, frames.hip_bias, 3), weight)
+        add_row(motion, target - _along(direction, frames.hip_bias, 3), weight)
 
 
 @kernel
-def add_body(g: WholeBody, tasks: TaskTable, n: int) -> None:
+def add_body(g: WholeBody, tasks: TaskTable) -> None:
     """Centre of mass and hip height follow their references."""
     reference, frames, state, motion = g.reference, g.body.frames, g.body.state, g.motion
     com = reference.com
@@ -227,18 +196,18 @@ def add_body(g: WholeBody, tasks: TaskTable, n: int) -> None:
         error = _along(direction, com[0], 0) - _along(direction, state.com, 0)
         error_rate = _along(direction, com[1], 0) - _along(direction, state.com_velocity, 0)
         wanted = _along(direction, com[2], 0) + task.stiffness * error + task.damping * error_rate
-        add_row(g.program, motion, n, wanted - _along(direction, state.com_bias, 0), weight)
+        add_row(motion, wanted - _along(direction, state.com_bias, 0), weight)
     weight = reference.hip_height_weight[0] * tasks.hip_height.weight
     if weight > 0.0:
         height, task = reference.hip_height, tasks.hip_height
         _row_along((0.0, 0.0, 1.0), frames.hip_jacobian, 0, motion.row)
         wanted = height[2] + task.stiffness * (height[0] - frames.hip_position[2])
         wanted += task.damping * (height[1] - frames.hip_velocity[2])
-        add_row(g.program, motion, n, wanted - frames.hip_bias[2], weight)
+        add_row(motion, wanted - frames.hip_bias[2], weight)
 
 
 @kernel
-def add_joints(g: WholeBody, tasks: TaskTable, n: int) -> None:
+def add_joints(g: WholeBody, tasks: TaskTable) -> None:
     """Joint references (eqs. 22 and 23); joints outside the legs hold their posture."""
     reference, q, v = g.reference, g.body.q, g.body.v
     for j in range(reference.joint_weight.shape[0]):
@@ -248,7 +217,7 @@ def add_joints(g: WholeBody, tasks: TaskTable, n: int) -> None:
             continue
         target = reference.joint[2, j] + task.stiffness * (reference.joint[0, j] - q[7 + j])
         target += task.damping * (reference.joint[1, j] - v[6 + j])
-        add_joint(g.program, g.motion, n, 6 + j, target, weight)
+        add_joint(g.motion, 6 + j, target, weight)
 
 
 @kernel

@@ -1,0 +1,129 @@
+"""Eight neighbours of a matrix row at once, in registers: what the compiler does not find by itself.
+
+``take`` and ``put`` may reach beyond the last column: storage whose rows they read has :func:`padded` columns. Sums
+are not contracted, so that every machine finds the same ones.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic, models, register_model
+
+LANES = 8
+_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+
+
+def padded(n: int) -> int:
+    """Columns of storage whose rows are read eight at a time: n, rounded up."""
+    return -(-n // LANES) * LANES
+
+
+class Lanes(types.Type):
+    """Eight floats in a register."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+_lanes = Lanes()
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    """One vector."""
+
+    def __init__(self, manager: Any, lanes: Lanes) -> None:
+        super().__init__(manager, lanes, _VECTOR)
+
+
+def _place(context: Any, builder: Any, kind: Any, matrix: Any, row: Any, column: Any) -> Any:
+    """Pointer to eight entries of a C-contiguous matrix."""
+    array = context.make_array(kind)(context, builder, matrix)
+    width = builder.extract_value(array.shape, 1)
+    at = builder.gep(array.data, [builder.add(builder.mul(row, width), column)])
+    return builder.bitcast(at, _VECTOR.as_pointer())
+
+
+def _spread(builder: Any, share: Any) -> Any:
+    """A number in all lanes."""
+    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), share, ir.Constant(ir.IntType(32), 0))
+    mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), mask)
+
+
+@intrinsic
+def none(typingctx: Any) -> Any:
+    """Zeros."""
+    return _lanes(), lambda context, builder, signature, args: ir.Constant(_VECTOR, [0.0] * LANES)
+
+
+@intrinsic
+def take(typingctx: Any, matrix: Any, row: Any, column: Any) -> Any:
+    """Eight entries of a row, from a column on."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.load(_place(context, builder, signature.args[0], *args), align=8)
+
+    return _lanes(matrix, types.int64, types.int64), codegen
+
+
+@intrinsic
+def put(typingctx: Any, matrix: Any, row: Any, column: Any, values: Any) -> Any:
+    """Write eight entries of a row, from a column on."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        builder.store(args[3], _place(context, builder, signature.args[0], *args[:3]), align=8)
+        return context.get_dummy_value()
+
+    return types.void(matrix, types.int64, types.int64, values), codegen
+
+
+@intrinsic
+def times(typingctx: Any, values: Any, share: Any) -> Any:
+    """``share * values``."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fmul(args[0], _spread(builder, args[1]))
+
+    return values(values, types.float64), codegen
+
+
+@intrinsic
+def sum_of(typingctx: Any, values: Any, others: Any) -> Any:
+    """``values + others``."""
+    return values(values, others), lambda context, builder, signature, args: builder.fadd(*args)
+
+
+@intrinsic
+def plus(typingctx: Any, values: Any, share: Any, others: Any) -> Any:
+    """``values + share * others``."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fadd(args[0], builder.fmul(_spread(builder, args[1]), args[2]))
+
+    return values(values, types.float64, others), codegen
+
+
+@intrinsic
+def product(typingctx: Any, values: Any, others: Any) -> Any:
+    """``values * others``, lane by lane."""
+    return values(values, others), lambda context, builder, signature, args: builder.fmul(*args)
+
+
+@intrinsic
+def total(typingctx: Any, values: Any) -> Any:
+    """Sum of the lanes."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        found, half = args[0], LANES
+        while half > 1:
+            half //= 2
+            lanes = [k % half + half * (k < half) for k in range(LANES)]
+            turned = builder.shuffle_vector(found, found, ir.Constant(ir.VectorType(ir.IntType(32), LANES), lanes))
+            found = builder.fadd(found, turned)
+        return builder.extract_element(found, ir.Constant(ir.IntType(32), 0))
+
+    return types.float64(values), codegen
