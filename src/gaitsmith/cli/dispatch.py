@@ -93,6 +93,9 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
     ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),
     ("log", "check"): Command("gaitsmith.cli.log_check", "check", "what a run recorded; mends what a killed one left"),
+    ("log", "convert"): Command(
+        "gaitsmith.cli.log_convert", "convert", "a log as CSV, Parquet, NumPy, Foxglove, ROS bag"
+    ),
     ("robots", "list"): Command("gaitsmith.cli.robots", "list_robots", "the robots that come with the package"),
     ("robots", "show"): Command("gaitsmith.cli.robots", "show", "a robot's joints, legs, limits and assumptions"),
     ("robots", "check"): Command("gaitsmith.cli.robots", "check", "check a card and the model it names"),
