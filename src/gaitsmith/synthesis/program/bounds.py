@@ -177,7 +177,8 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
     for sign in (1.0, -1.0):
         add(Kind.YAW_MOMENT, "yaw moment", "m", {}, 2.0 * yaw, {twist: sign, load: -yaw})
         tell(yaw, 2.0 * yaw, power=2)
-    add(Kind.NORMAL_FORCE, "normal force", "weights", {fz: 1.0}, 1.0)
+    name = "normal force" if phase.double else "normal force alone"
+    add(Kind.NORMAL_FORCE, name, "weights", {fz: 1.0}, 1.0)
     least = 0.0 if phase.double else bounds.normal_force
     found[-1] = replace(found[-1], low=least, high=np.inf, load=NO_LOAD)
     return found

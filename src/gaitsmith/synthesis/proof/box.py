@@ -94,12 +94,15 @@ def stability(gait: Gait, robot: Robot, box: Box) -> dict[str, Any]:
         enclosed = enclose(gait, biped, engine, index, first_stretches(gait, index, _LONGEST))
         for rows in _constraints(biped, phase, box, gait.bounds["friction"]):
             most = _sums(enclosed, box.mass, rows.force, rows.moment).max(axis=0)
+            uneven = rows.name == "ZMP" and phase.double and phase.rise != 0.0
+            if uneven:  # with soles at two heights there is no plane for a ZMP
+                most = np.full_like(most, np.inf)
             entry = found.setdefault(
                 rows.name, {"constraint": rows.name, "margin": np.inf, "unit": rows.unit, "unproved": []}
             )
             ratio = rows.name != "normal force"
             margin = _margin(enclosed, box.mass, rows) if ratio else -float(most.max()) / biped.weight
-            entry["margin"] = min(entry["margin"], margin)
+            entry["margin"] = entry["margin"] if uneven else min(entry["margin"], margin)
             entry["unproved"] += _stretches(phase.name, enclosed, ~(most < 0.0))
     items = list(found.values())
     return asdict(box) | {"proved": not any(item["unproved"] for item in items), "constraints": items}
@@ -113,7 +116,8 @@ def _constraints(biped: Biped, phase: Phase, box: Box, planned: float) -> list[_
     shrink = box.foothold * (np.abs(x) + np.abs(y)) if phase.double else 0.0
     room = x * corners[:, 0] + y * corners[:, 1] - shrink
     none = np.zeros_like(x)
-    found = [_Rows("ZMP", "m", np.array([none, none, -room]), np.array([y, -x, none]))]
+    level = phase.height  # moments about a point at the height of the soles: M - h z × F
+    found = [_Rows("ZMP", "m", np.array([level * x, level * y, -room]), np.array([y, -x, none]))]
     least = planned if box.friction is None else box.friction[0]
     angles = (2.0 * np.arange(_FACES) + 1.0) * np.pi / _FACES
     cone = np.array([np.cos(angles), np.sin(angles), np.full(_FACES, -least * np.cos(np.pi / _FACES))])

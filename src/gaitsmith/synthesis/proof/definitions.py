@@ -209,8 +209,8 @@ def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Pha
     twist = mx * fx + my * fy + mz * fz  # times the load: about the centre of pressure
     for sign in (1.0, -1.0):
         yield ratio("yaw moment", "m", twist * sign, yaw, 2.0 * yaw, power=2)
-    least = 0.0 if phase.double else bounds["normal_force"]
-    yield Bound(f"{foot} foot normal force", "weights", fz, least, np.inf, 1.0)
+    name, least = ("normal force", 0.0) if phase.double else ("normal force alone", bounds["normal_force"])
+    yield Bound(f"{foot} foot {name}", "weights", fz, least, np.inf, 1.0)
 
 
 def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> Iterator[Bound]:

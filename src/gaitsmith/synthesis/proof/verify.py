@@ -170,6 +170,8 @@ def _figures(verdict: Verdict, biped: Biped, gait: Gait, index: int, found: Meas
     phase = gait.motion.phases[index]
     lowest = 1e3 * np.min(corner_heights(found, biped, phase), axis=0)
     verdict.penetration = larger(verdict.penetration, -lowest.min())
+    if phase.double and phase.rise:
+        return  # with soles at two heights there is no plane for a ZMP
     margin = 1e3 * float(inside(hull(contact_points(biped, phase)), _zmp(found, phase)).min())
     verdict.hull_margin = smaller(verdict.hull_margin, margin)
     if phase.double:
