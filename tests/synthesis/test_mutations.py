@@ -34,7 +34,6 @@ def test_the_planners_certificate_is_accepted(dynamic, planner, robot):
     assert verify(certified(planner, dynamic.gait, dynamic.main.x), robot, SPARSE).ok
 
 
-
 @pytest.mark.parametrize(
     ("name", "change"),
     [
