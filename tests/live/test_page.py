@@ -18,7 +18,9 @@ from gaitsmith.live.handover import Note, Ring
 from gaitsmith.live.page import Page, make_frame
 from gaitsmith.live.scene import OVERLAYS
 from gaitsmith.live.server import Server, listen
+from gaitsmith.live.walker import REGION
 from gaitsmith.live.wishes import Kind
+from gaitsmith.simulation.terrain import parse_terrain
 
 
 class Shown:
@@ -129,6 +131,17 @@ def test_overlays_can_be_hidden(shown):
         scene.show_overlay(name, False)
         assert not scene._groups[name].visible
         scene.show_overlay(name, True)
+
+
+@pytest.mark.parametrize("terrain", ["slope:5", "cross:4", "boxes:0.02", "ice:0.2,1,2", "stairs:0.02,0.3,3", "flat"])
+def test_every_ground_is_drawn_block_by_block(shown, terrain):
+    shown.page.scene.set_ground(terrain, 1, REGION)
+    drawn = shown.server.scene.get_handle_by_name("/world/ground/blocks")
+    blocks = parse_terrain(terrain, 1).blocks(REGION)
+    assert (drawn is None) == (not blocks)
+    if blocks:
+        np.testing.assert_allclose(drawn.batched_positions, [block.centre for block in blocks], rtol=1e-6)
+        assert np.linalg.norm(drawn.batched_wxyzs, axis=1) == pytest.approx(np.ones(len(blocks)))
 
 
 def test_a_fall_is_told_with_its_reason(shown):

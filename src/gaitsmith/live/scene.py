@@ -33,6 +33,8 @@ OVERLAYS = {
 """What can be laid over the picture, by name."""
 SIDES = (LEFT, RIGHT)
 _GREEN, _MAGENTA, _GOLD, _RED = (60, 175, 90), (200, 40, 160), (235, 175, 20), (214, 40, 40)
+_ICE = (150, 205, 235)
+_ON_PLANE = ("flat", "boxes", "stairs")  # grounds that lie on a level plane
 _ABOVE = 0.003  # m by which flat marks lie over the ground
 _LIFTED = np.array([0.0, 0.0, _ABOVE])
 _SEE_THROUGH = 0.45
@@ -172,7 +174,7 @@ class Scene:
             section_color=(160, 169, 182),
             fade_distance=30.0 * max(self.size, 0.5),
             plane_color=(228, 232, 238),
-            plane_opacity=1.0 if ground.kind != "slope" else 0.0,
+            plane_opacity=1.0 if ground.kind in _ON_PLANE else 0.0,
             shadow_opacity=0.3,
             position=(0.0, 0.0, -0.001),
         )
@@ -184,16 +186,18 @@ class Scene:
             return
         box = trimesh.creation.box((1.0, 1.0, 1.0))
         tops = np.array([block.centre[2] + block.half_size[2] for block in blocks])
-        shade = 0.0 if ground.kind == "slope" else (tops / max(float(tops.max()), 1e-9))[:, None]
+        shade = (tops / max(float(np.abs(tops).max()), 1e-9))[:, None] if ground.kind in _ON_PLANE else 0.0
         colours = np.clip(np.array([222, 226, 232]) - shade * np.array([70, 55, 35]), 0, 255)
+        colours = np.broadcast_to(colours, (len(blocks), 3)).astype(np.uint8)
+        colours[[block.friction is not None for block in blocks]] = _ICE
         scene.add_batched_meshes_simple(
             "/world/ground/blocks",
             box.vertices,
             box.faces,
-            np.array([(math.cos(b.pitch / 2), 0.0, math.sin(b.pitch / 2), 0.0) for b in blocks]),
+            np.array([_turned(block.pitch, block.roll) for block in blocks]),
             np.array([b.centre for b in blocks]),
             batched_scales=np.array([2.0 * np.array(b.half_size) for b in blocks]),
-            batched_colors=np.broadcast_to(colours, (len(blocks), 3)).astype(np.uint8),
+            batched_colors=colours,
             lod="off",
             flat_shading=True,
             cast_shadow=False,
@@ -318,6 +322,12 @@ def _show(handle: Any, visible: bool) -> None:
     """Show or hide something, if it is not so already."""
     if handle.visible != visible:
         handle.visible = visible
+
+
+def _turned(pitch: float, roll: float) -> tuple[float, float, float, float]:
+    """Quaternion w x y z of a block, of whose angles one is zero."""
+    half = 0.5 * (pitch or roll)
+    return (math.cos(half), math.sin(half) if roll else 0.0, math.sin(half) if pitch else 0.0, 0.0)
 
 
 def _sky() -> npt.NDArray[np.uint8]:
