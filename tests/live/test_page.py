@@ -133,7 +133,10 @@ def test_overlays_can_be_hidden(shown):
         scene.show_overlay(name, True)
 
 
-@pytest.mark.parametrize("terrain", ["slope:5", "cross:4", "boxes:0.02", "ice:0.2,1,2", "stairs:0.02,0.3,0.5,3", "flat"])
+GROUNDS = ("slope:5", "cross:4", "boxes:0.02", "ice:0.2,1,2", "stairs:0.02,0.3,0.5,3", "flat")
+
+
+@pytest.mark.parametrize("terrain", GROUNDS)
 def test_every_ground_is_drawn_block_by_block(shown, terrain):
     shown.page.scene.set_ground(terrain, 1, REGION)
     drawn = shown.server.scene.get_handle_by_name("/world/ground/blocks")
