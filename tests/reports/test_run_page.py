@@ -51,8 +51,10 @@ def test_a_run_without_a_summary_is_summed_up_from_its_log(fallen: Path, tmp_pat
     shutil.copytree(fallen, killed)
     (killed / "summary.json").unlink()
     found = open_run(killed)
-    assert found.summary.fall is not None
-    assert found.summary.fall.time == pytest.approx(open_run(fallen).summary.fall.time, abs=0.02)  # type: ignore[union-attr]
+    fall = open_run(fallen).summary.fall
+    assert fall is not None
+    assert found.summary.duration == pytest.approx(fall.time, abs=0.02)  # the tick of the fall itself may be no row
+    assert found.summary.pushes == pytest.approx((0.8,), abs=0.01)
     assert any("no summary" in note for note in found.notes)
 
 
