@@ -55,7 +55,6 @@ KNOWN: dict[str, Draw] = {
     "joint_friction": lambda rng, robot: {
         "joint_friction": round(rng.uniform(0.35, 0.6) * float(np.max(robot.torque_limit)), 1)
     },
-    "command": lambda rng, robot: {"period": round(float(robot.card.gait_limits.period[1]) * rng.uniform(0.9, 1.0), 3)},
 }
 """A factor each, by the kind that the diagnosis should name; it is drawn strong enough to fell most robots."""
 

@@ -61,7 +61,7 @@ def suspects(
         fell: s.
     """
     onset = min([when for _, when in hits], default=fell)
-    found = [*_failed(scenario, reactions, onset, fell), *_pushed(scenario, pushes, onset, fell)]
+    found = [*_failed(scenario, onset, fell), *_pushed(scenario, pushes, onset, fell)]
     slips = [(name, when) for name, when in hits if "slipping" in name]
     slippery = scenario.friction < _USUAL_FRICTION or scenario.terrain.startswith("ice")
     if slips and slippery:
@@ -72,22 +72,28 @@ def suspects(
         found.append(_friction(scenario, slips))
     if slips and not slippery:
         found.append(Suspect("friction", f"{slips[0][0]} at {slips[0][1]:.3f} s"))
+    found += _noticed(scenario, reactions, onset, fell)
     if scenario.state == "estimated":
         found.append(Suspect("estimated", "state estimated from noisy sensors"))
     found += [*_commanded(scenario, fell), *_limits(hits)]
     return found or [Suspect("none", "nothing that is known")]
 
 
-def _failed(scenario: Scenario, reactions: Sequence[Reaction], onset: float, fell: float) -> list[Suspect]:
-    """Faults of the scenario that were on, or what the controller noticed by itself."""
+def _failed(scenario: Scenario, onset: float, fell: float) -> list[Suspect]:
+    """Faults of the scenario that were on."""
     found = []
     for fault in scenario.faults:
         if fault.time <= fell and fault.time + fault.duration >= onset - _BEFORE:
             found.append(Suspect("fault", f"{fault.component} {fault.type} from {fault.time:.3f} s on"))
-    if not found:
-        seen = [e for e in reactions if onset - _BEFORE <= e.time <= fell and e.component != "balance"]
-        found += [Suspect("reading", f"{entry.component}, {entry.type} at {entry.time:.3f} s") for entry in seen[:1]]
     return found
+
+
+def _noticed(scenario: Scenario, reactions: Sequence[Reaction], onset: float, fell: float) -> list[Suspect]:
+    """What the controller noticed by itself, if nothing was made to fail: a cause, or how something else shows."""
+    seen = [e for e in reactions if onset - _BEFORE <= e.time <= fell and e.component != "balance"]
+    if scenario.faults or not seen:
+        return []
+    return [Suspect("reading", f"{seen[0].component}, {seen[0].type} at {seen[0].time:.3f} s")]
 
 
 def _pushed(scenario: Scenario, pushes: Sequence[float | None], onset: float, fell: float) -> list[Suspect]:
