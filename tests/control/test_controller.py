@@ -67,10 +67,11 @@ def arrays(group: Any) -> list[Any]:
 
 
 def test_no_two_fields_share_memory() -> None:
-    """But the gait's inputs, which are views of one array; neither by accident nor after an arena has placed them."""
+    """But gait inputs and measurements, views of one array each; neither by accident nor after an arena placed them."""
     groups = Held().groups
     template = groups.template
     inputs = {id(array) for group in (template.requested, template.latched) for array in group[:-1]}
+    inputs |= {id(array) for group in (groups.measurement, groups.checking.expected) for array in group}
     found = {id(array): array for array in arrays(groups) if id(array) not in inputs}
     kept = list(found.values())
     for k, array in enumerate(kept):
