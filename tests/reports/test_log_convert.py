@@ -53,10 +53,11 @@ def test_npz_holds_rows_notes_and_events(run: Path, log: Log, tmp_path: Path) ->
 def test_parquet_holds_rows_notes_and_events(run: Path, log: Log, tmp_path: Path) -> None:
     from pyarrow import parquet
 
-    table = parquet.read_table(converted(run, "parquet", tmp_path / "log.parquet"))
+    path = converted(run, "parquet", tmp_path / "log.parquet")
+    table = parquet.read_table(path)
     assert tuple(table.column_names) == log.columns
     assert all(np.array_equal(table[name].to_numpy(), log.column(name), equal_nan=True) for name in log.columns)
-    told = json.loads(table.schema.metadata[b"gaitsmith"])
+    told = json.loads(parquet.read_metadata(path).metadata[b"gaitsmith"])
     assert told == {"notes": log.notes, "events": list(log.events)}
 
 

@@ -46,8 +46,12 @@ def test_standing_holds_the_heading() -> None:
     for _ in range(200):
         held.tick()
     assert held.controller.telemetry.heading[0] == pytest.approx(0.0)
-    for yaw, expected in ((0.2, 0.0), (2.0, 1.5), (-2.0, -1.5)):
-        turned(held, yaw).tick()
+    yaw, rate = 0.0, 4.0
+    for goal, expected in ((0.2, 0.0), (2.0, 1.5), (-2.0, -1.5)):
+        held.v[5] = math.copysign(rate, goal - yaw)
+        while abs(goal - yaw) > 0.5 * rate * DT:
+            yaw += held.v[5] * DT
+            turned(held, yaw).tick()
         assert wanted_yaw(held) == pytest.approx(expected)
 
 

@@ -21,6 +21,7 @@ from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
 Array = npt.NDArray[np.float64]
 _SAMPLES = 12  # Chebyshev nodes a piece
 _FINE = 16  # instants a piece at which a rate is looked at
+_INSIDE = 1e-3  # of a piece: how far its first and last such instants lie inside
 _MARGIN = 0.01  # of the bound: what lies between these instants
 _TIGHTEST = 0.4  # of a span
 _NEAR, _SAME = 0.15, 0.03  # of a section: instants that say much the same, and as good as the same
@@ -38,7 +39,7 @@ def torque_rates_of(trans: Transcription, functions: PointFunctions, x: Array, c
     """The derivatives of the torques' series, phase by phase."""
     n, found = trans.biped.joints, []
     nodes, to_series = chebyshev_fit(_SAMPLES)
-    share = np.linspace(0.0, 1.0, _FINE)
+    share = np.linspace(_INSIDE, 1.0 - _INSIDE, _FINE)  # at a knot a rate jumps: its instant must tell on which side
     for phase, item in enumerate(checks):
         parts = [local_inputs(trans, x, phase, [piece], piece[0] + piece[1] * nodes) for piece in item.pieces]
         z = np.hstack(parts)
@@ -79,10 +80,13 @@ def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBou
                 bound, time = len(trans.bounds[phase]) + local, float(item.times[inside[k]])
                 excess = 0.5 * (float(sizes[local, k]) / most - 1.0) + _MARGIN
                 span = float(np.diff(trans.spline.knots)[section])
+                here = [index for index, old in enumerate(found) if (old.phase, old.bound) == (phase, bound)]
+                at = np.array([found[index].time for index in here])
+                same = trans.instants(phase, at).section == section if here else ()
                 near = [
-                    (abs(old.time - time) / span, index)
-                    for index, old in enumerate(found)
-                    if (old.phase, old.bound) == (phase, bound)
+                    (abs(found[index].time - time) / span, index)
+                    for index, inside_too in zip(here, same, strict=True)
+                    if inside_too
                 ]
                 apart, index = min(near, default=(1.0, -1))
                 if apart < _NEAR and found[index].tighten < _TIGHTEST:
