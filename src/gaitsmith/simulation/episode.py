@@ -145,9 +145,8 @@ class Simulation:
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
         self._reactions = Reactions(self.columns, self.controller.estimated, step, lambda event: self.loop.tell(event))
-        self._guide = None
-        if scenario.tour is not None:
-            self._guide = Guide(scenario.tour, self.plant, self.controller, scenario.walk_from)
+        tour = scenario.tour
+        self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None
         watching: list[Observer | None] = [
             *(self._monitor, self._recorder, self._reactions, self._disturber, self._tracked, self._guide)
         ]
