@@ -61,7 +61,7 @@ def demo(words: list[str], program: str) -> Outcome:
 
 def _lines(found: Demo) -> list[str | Table]:
     from gaitsmith.reports.demo import next_lines
-    from gaitsmith.reports.run_page import STAGE_HEADINGS, stage_row
+    from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row
 
     profile = found.profile.summary
     stages = Table(

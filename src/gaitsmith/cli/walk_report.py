@@ -7,23 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gaitsmith.cli.dispatch import Styled, Table, Text
+from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
     from gaitsmith.simulation import Summary
-    from gaitsmith.simulation.summary import Stage, Tracking
+    from gaitsmith.simulation.summary import Tracking
 
 _SHOWN_FAULTS = 12
 
 
 def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text]:
     """Stages, torques against limits, times, and what went wrong."""
-    headings = (
-        *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
-        *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
-    )
     title = f"{summary.robot}, preset {summary.preset}, {summary.state} state, {summary.terrain}"
-    yield Table(headings, map(_stage_row, summary.stages), left=(), title=title)
+    yield Table(STAGE_HEADINGS, map(stage_row, summary.stages), left=(), title=title)
     yield _joint_table(summary, robot)
     yield from closing_lines(summary)
     if summary.fall is not None:
@@ -35,24 +32,6 @@ def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text
         yield Styled(f"interrupted after {summary.duration:.2f} s", "bold yellow")
     if folder is not None:
         yield f"written to {folder}"
-
-
-def _stage_row(stage: Stage) -> tuple[str, ...]:
-    """A stage of constant command in words."""
-    command = "rest"
-    if not stage.rest:
-        command = f"{stage.command.vx:.2f}" + (f", {stage.command.vy:.2f}" if stage.command.vy else "")
-        command += f", {stage.command.yaw_rate:+.2f} rad/s" if stage.command.yaw_rate else ""
-    return (
-        f"{stage.t0:.1f} to {stage.t1:.1f}",
-        command,
-        f"{stage.vx_mean:.4f}",
-        f"{1e3 * stage.vx_error:+.1f}",
-        f"{1e3 * stage.vy_error:+.1f}",
-        *(f"{low:+.2f} to {high:+.2f}" for low, high in (stage.roll_deg, stage.pitch_deg)),
-        f"{1e3 * stage.height_error:+.1f}",
-        f"{stage.yaw_rate_error:+.3f}",
-    )
 
 
 def _joint_table(summary: Summary, robot: Robot) -> Table:

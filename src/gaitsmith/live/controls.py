@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from gaitsmith.live.buttons import button_row
 from gaitsmith.live.desk import Desk
 from gaitsmith.live.server import Server
 from gaitsmith.live.wishes import TERRAINS, Kind
@@ -82,10 +83,14 @@ class Controls:
     def add_buttons(self) -> None:
         """Pause, one tick, anew; the pace of time; walking and standing; recording."""
         gui = self._server.gui
-        self._choice("Run", {"Pause": self._pause, "One tick": self._step, "Reset": self._reset})
-        self._choice("Time", {name: partial(self._desk.ask, Kind.FACTOR, pace) for name, pace in PACES.items()})
+        button_row(self._server, "Run", {"Pause": self._pause, "One tick": self._step, "Reset": self._reset})
+        button_row(
+            self._server, "Time", {name: partial(self._desk.ask, Kind.FACTOR, pace) for name, pace in PACES.items()}
+        )
         if self.gait:
-            self._choice("Legs", {name: partial(self._walk, on) for name, on in (("Walk", 1.0), ("Stand", 0.0))})
+            button_row(
+                self._server, "Legs", {name: partial(self._walk, on) for name, on in (("Walk", 1.0), ("Stand", 0.0))}
+            )
         self._record = gui.add_button("Record a run", icon=None, color="gray")
 
         async def record(_: Any) -> None:
@@ -145,7 +150,7 @@ class Controls:
             size, most = _fine(_PUSH * self._unit), _fine(_HARDEST * self._unit)
             self._impulse = gui.add_slider("Impulse, N·s", 0.0, most, _fine(most / _STEPS), size)
             self._hardest = most
-            self._choice("To", {name: partial(self._push, way) for name, way in _DIRECTIONS.items()})
+            button_row(self._server, "To", {name: partial(self._push, way) for name, way in _DIRECTIONS.items()})
 
     def _push(self, way: tuple[float, float]) -> None:
         size = clamped(self._impulse.value, 0.0, self._hardest, 0.0)
@@ -216,17 +221,6 @@ class Controls:
             self.recording = recording
             self._record.label = "Stop recording" if recording else "Record a run"
             self._record.color = "red" if recording else "gray"
-
-    def _choice(self, label: str, actions: Mapping[str, Callable[[], None]]) -> None:
-        """A row of buttons."""
-        group = self._server.gui.add_button_group(label, tuple(actions))
-
-        async def clicked(_: Any) -> None:
-            act = actions.get(str(group.value))
-            if act is not None:
-                act()
-
-        group.on_click(clicked)
 
     def _pause(self) -> None:
         self._desk.ask(Kind.PAUSE, 0.0 if self.paused else 1.0)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from gaitsmith.live.buttons import button_row
 from gaitsmith.live.charts import Charts, History
 from gaitsmith.live.controls import PACES, clamped
 from gaitsmith.live.page import PERIOD, add_overlay_switches, banner
@@ -82,10 +83,12 @@ class Replay:
             self.playing = False
 
         self._slider.on_update(moved)
-        self._buttons(
-            "Play", {"Play / pause": self.toggle, "◀ event": lambda: self.jump(-1), "event ▶": lambda: self.jump(1)}
+        button_row(
+            self._server,
+            "Play",
+            {"Play / pause": self.toggle, "◀ event": lambda: self.jump(-1), "event ▶": lambda: self.jump(1)},
         )
-        self._buttons("Time", {name: partial(self._set_pace, pace) for name, pace in PACES.items()})
+        button_row(self._server, "Time", {name: partial(self._set_pace, pace) for name, pace in PACES.items()})
         gui.add_html(drawn(timeline, self._begin, self._end, _COLOURS))
         gui.add_markdown(f"*{_HINT}*")
 
@@ -93,17 +96,6 @@ class Replay:
             self.toggle()
 
         gui.add_command("Play or pause", hotkey="space").on_trigger(space)
-
-    def _buttons(self, label: str, actions: dict[str, Callable[[], None]]) -> None:
-        """A row of buttons."""
-        group = self._server.gui.add_button_group(label, tuple(actions))
-
-        async def clicked(_: Any) -> None:
-            act = actions.get(str(group.value))
-            if act is not None:
-                act()
-
-        group.on_click(clicked)
 
     def toggle(self) -> None:
         """Play, from the beginning if it is over; or pause."""

@@ -7,7 +7,8 @@ import shlex
 from gaitsmith.reports.page import Page
 from gaitsmith.reports.run import Run
 from gaitsmith.simulation.run_folder import scenario_toml
-from gaitsmith.simulation.summary import Stage, Summary
+from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row
+from gaitsmith.simulation.summary import Summary
 from gaitsmith.view import suitable
 
 _COUNTERS = {
@@ -18,10 +19,6 @@ _COUNTERS = {
     "touchdowns_forced": "steps ended by the clock instead of by contact",
     "refused_ticks": "ticks with readings that were replaced",
 }
-STAGE_HEADINGS = (
-    *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "error\nmm/s", "v_y error\nmm/s"),
-    *("roll\n°", "pitch\n°", "height error\nmm", "yaw rate error\nrad/s"),
-)
 
 
 def run_page(run: Run, figures: bool = True) -> str:
@@ -101,21 +98,6 @@ def numbers(page: Page, summary: Summary) -> None:
         )
         if track.ball is not None:
             page.text(f"Ball: {track.ball.speed:.2f} of {track.ball.planned_speed:.2f} m/s.")
-
-
-def stage_row(stage: Stage) -> tuple[str, ...]:
-    """A stage of constant command, in words."""
-    command = "rest" if stage.rest else f"{stage.command.vx:.2f}, {stage.command.vy:.2f}"
-    return (
-        f"{stage.t0:.1f} to {stage.t1:.1f}",
-        command,
-        f"{stage.vx_mean:.4f}",
-        f"{1e3 * stage.vx_error:+.1f}",
-        f"{1e3 * stage.vy_error:+.1f}",
-        *(f"{low:+.2f} to {high:+.2f}" for low, high in (stage.roll_deg, stage.pitch_deg)),
-        f"{1e3 * stage.height_error:+.1f}",
-        f"{stage.yaw_rate_error:+.3f}",
-    )
 
 
 def faults(page: Page, run: Run) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.motion import Phase
 from gaitsmith.synthesis.proof.definitions import LOADED, Bound
 
@@ -27,33 +27,6 @@ _KEYS = {
     "violation": float,
 }
 _WHOLE = {"claims", "dense_points", "objective", "wrench_weight", "worst"}
-
-
-@dataclass(frozen=True)
-class Worst:
-    """A constraint where it is closest to its limit, or furthest beyond it.
-
-    Attributes:
-        constraint: its name.
-        value: in ``unit``.
-        limit: the limit that it is compared with.
-        unit: of both.
-        time: s from the start of the motion.
-        phase: name of the phase.
-        violation: share of the constraint's range; negative inside.
-    """
-
-    constraint: str
-    value: float
-    limit: float
-    unit: str
-    time: float
-    phase: str
-    violation: float
-
-    def as_dict(self) -> dict[str, object]:
-        """Plain data for JSON."""
-        return dict(vars(self))
 
 
 def readings(bound: Bound) -> tuple[Array, Array, Array]:

@@ -19,11 +19,11 @@ from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Phase
 from gaitsmith.synthesis.proof.borders import SEAM, conditions, jumps, objective, seams
 from gaitsmith.synthesis.proof.certificate import (
-    Worst,
     claimed_at,
     disagrees,
     entries,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Phase, opposite
 from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
@@ -16,35 +16,8 @@ Array = npt.NDArray[np.float64]
 LOADED = 0.01  # of the weight: ratios of a foot's forces are told where it bears at least this
 
 
-@dataclass(frozen=True)
-class BoundMargin:
-    """A constraint where it is closest to its limit, or furthest beyond it.
-
-    Attributes:
-        constraint: its name.
-        value: in ``unit``.
-        limit: the limit that it is compared with.
-        unit: of both.
-        time: s from the start of the motion.
-        phase: name of the phase.
-        violation: share of the constraint's range; negative inside.
-    """
-
-    constraint: str
-    value: float
-    limit: float
-    unit: str
-    time: float
-    phase: str
-    violation: float
-
-    def as_dict(self) -> dict[str, object]:
-        """Plain data for JSON."""
-        return dict(vars(self))
-
-
 def merge(
-    found: dict[str, BoundMargin],
+    found: dict[str, Worst],
     phase: Phase,
     bounds: list[PhaseBound],
     times: Array,
@@ -80,10 +53,10 @@ def merge(
         known = found.get(bound.name)
         if (worst > -np.inf and (known is None or worst > known.violation)) or np.isnan(worst):
             value, limit = (bound.shown(float(v)) for v in (shown[k], high if over[k] >= under[k] else low))
-            found[bound.name] = BoundMargin(bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst)
+            found[bound.name] = Worst(bound.name, value, limit, bound.unit, float(times[k]), phase.name, worst)
 
 
-def ranked(found: dict[str, BoundMargin]) -> list[BoundMargin]:
+def ranked(found: dict[str, Worst]) -> list[Worst]:
     """The worst first."""
     return sorted(found.values(), key=lambda item: -np.inf if np.isnan(item.violation) else -item.violation)
 

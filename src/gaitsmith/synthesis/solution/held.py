@@ -10,13 +10,14 @@ import numpy.typing as npt
 from gaitsmith.splines.polynomial import chebyshev, chebyshev_fit, polynomial
 from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Condition, Motion, Phase, State
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import joint_bounds
 from gaitsmith.synthesis.solution.bound_check import BoundTable
-from gaitsmith.synthesis.solution.certificate import BoundMargin, merge
+from gaitsmith.synthesis.solution.certificate import merge
 
 Array = npt.NDArray[np.float64]
 _SAMPLES = 20  # Chebyshev nodes a piece
@@ -67,9 +68,9 @@ def with_held(biped: Biped, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Pi
     return tuple(found)
 
 
-def held_margins(biped: Biped, bounds: Bounds, gait: Gait, count: int) -> dict[str, BoundMargin]:
+def held_margins(biped: Biped, bounds: Bounds, gait: Gait, count: int) -> dict[str, Worst]:
     """Worst values of the limits of the joints that are held, at ``count`` instants a phase."""
-    layout, found = PointLayout(len(biped.home)), dict[str, BoundMargin]()
+    layout, found = PointLayout(len(biped.home)), dict[str, Worst]()
     if not len(biped.held):
         return found
     table = BoundTable(layout, joint_bounds(biped.whole, bounds, 1.0, biped.held.tolist()))

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
@@ -31,13 +32,14 @@ from gaitsmith.synthesis.solution.bound_check import (
     with_violated,
     worst_excess,
 )
-from gaitsmith.synthesis.solution.certificate import BoundMargin, merge, ranked
+from gaitsmith.synthesis.solution.certificate import merge, ranked
 from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces, objective_of
 from gaitsmith.synthesis.solution.diagnose import lacking, undecided
 from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
 from gaitsmith.synthesis.solution.geometry import out_of_reach
 from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
+from gaitsmith.synthesis.solution.neighbour import near_bounds, rescaled
 from gaitsmith.synthesis.solution.rate_check import rate_margins, too_fast, torque_rates_of, with_fast
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
@@ -45,7 +47,6 @@ Array = npt.NDArray[np.float64]
 _AIM = 0.2 * MARGIN  # violations above this are dealt with while others are
 _CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
 _SELDOM = (Kind.TORQUE, *_CURVED)  # imposed only where the dense grid asks for it
-_NEAR = 0.3  # of a bound's range: rows that a neighbour keeps
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
 _WARM_ITERATIONS = 12
 _USUAL = 60  # iterations from standing still; who needs more has asked for too much, or for another start
@@ -92,7 +93,7 @@ class PlanResult:
     rounds: int = 0
     fallbacks: int = 0
     constraints: int = 0
-    worst: list[BoundMargin] = field(default_factory=list)
+    worst: list[Worst] = field(default_factory=list)
     x: Array = field(default_factory=lambda: np.zeros(0))
     imposed: list[ImposedBound] = field(default_factory=list)
     borders: Array = field(default_factory=lambda: np.zeros(0))
@@ -311,9 +312,9 @@ class Planner:
         )
 
 
-def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[BoundMargin]:
+def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[Worst]:
     """Every constraint's worst value, the worst first."""
-    found: dict[str, BoundMargin] = {}
+    found: dict[str, Worst] = {}
     for phase, bounds, item in zip(trans.motion.phases, trans.limits, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values, item.loads)
     return ranked(found)
@@ -327,29 +328,3 @@ def without(imposed: list[ImposedBound], trans: Transcription, kinds: tuple[Kind
 def without_seldom(trans: Transcription, base: Points) -> list[ImposedBound]:
     """All bounds at all points, without those that are imposed only where the dense grid asks for them."""
     return without(every_bound(trans, base), trans, _SELDOM)
-
-
-def near_bounds(
-    program: Program, imposed: list[ImposedBound], found: Solution, o: Array
-) -> tuple[list[ImposedBound], Solution]:
-    """The imposed bounds that lie near their bounds, and the solution's multipliers without those of the others.
-
-    A neighbour starts with these, and with the instants at which it may meet its bounds; the dense grid sees
-    to the rest.
-    """
-    first = program.rows - len(imposed)
-    rows = program.constraint(found.x, o)
-    room = np.minimum(program.high - rows, rows - program.low)[first:]
-    keep = np.flatnonzero(room < _NEAR)
-    multipliers = np.concatenate([found.multipliers[:first], found.multipliers[first:][keep]])
-    return [imposed[k] for k in keep], replace(found, multipliers=multipliers)
-
-
-def rescaled(imposed: list[ImposedBound], old: Array, new: Array) -> list[ImposedBound]:
-    """Imposed bounds of one motion at the same shares of the phases of another."""
-    found = []
-    for item in imposed:
-        share = (item.time - old[item.phase]) / (old[item.phase + 1] - old[item.phase])
-        time = new[item.phase] + share * (new[item.phase + 1] - new[item.phase])
-        found.append(ImposedBound(item.phase, item.bound, float(time), item.tighten))
-    return found

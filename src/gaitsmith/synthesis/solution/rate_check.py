@@ -10,12 +10,13 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev_fit
 from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.bound_check import BoundCheck
-from gaitsmith.synthesis.solution.certificate import BoundMargin, merge
+from gaitsmith.synthesis.solution.certificate import merge
 from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
 
 Array = npt.NDArray[np.float64]
@@ -97,9 +98,9 @@ def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBou
     return found
 
 
-def rate_margins(gait: Gait, most: float, moving: Sequence[str], count: int) -> dict[str, BoundMargin]:
+def rate_margins(gait: Gait, most: float, moving: Sequence[str], count: int) -> dict[str, Worst]:
     """Worst torque rates of the joints that move, at ``count`` instants a phase of a finished gait."""
-    found: dict[str, BoundMargin] = {}
+    found: dict[str, Worst] = {}
     places = [gait.joint_names.index(name) for name in moving]
     names = [f"{name} torque rate" for name in moving]
     bounds = [PhaseBound(Kind.TORQUE, name, "N·m/s", {}, {}, -most, most, 2.0 * most) for name in names]
