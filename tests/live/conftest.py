@@ -24,7 +24,8 @@ class Steered:
 
     def close(self):
         self._stop = True
-        self._thread.join()
+        self._thread.join(30.0)
+        assert not self._thread.is_alive()
         return self.session.close()
 
 

@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gaitsmith.errors import BadInput
-from gaitsmith.log import record as module
 from gaitsmith.log.mcap_file import EVENTS, TOPIC, field_names
 from gaitsmith.log.record import Log, Recorder, read_log, read_stream
 
@@ -157,11 +156,10 @@ def test_any_changed_byte_leaves_a_beginning_or_one_line(place, change):
         assert log.rows[:, 1].tolist() == list(range(len(log.rows)))
 
 
-def test_what_is_old_enough_is_on_disk(monkeypatch):
+def test_what_is_old_enough_is_on_disk():
     clock = [0.0]
-    monkeypatch.setattr(module.time, "monotonic", lambda: clock[0])
     file, row = io.BytesIO(), np.zeros(3)
-    recorder = Recorder(file, (row,), COLUMNS, {}, 1)
+    recorder = Recorder(file, (row,), COLUMNS, {}, 1, clock=lambda: clock[0])
     for tick in range(1000):
         clock[0] = row[0] = 0.01 * tick
         recorder.observe(tick)

@@ -173,7 +173,7 @@ class Page:
         while alive():
             began = time.monotonic()
             self.update()
-            time.sleep(max(0.002, PERIOD - (time.monotonic() - began)))
+            time.sleep(min(max(0.002, PERIOD - (time.monotonic() - began)), PERIOD))  # whatever became of the clock
 
 
 def _gait_of(robot: Robot, scenario: dict[str, Any]) -> dict[str, Any]:

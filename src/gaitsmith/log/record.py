@@ -86,6 +86,7 @@ class Recorder:
         columns: names of all numbers.
         notes: what is run, as plain data.
         decimation: control ticks per row.
+        clock: monotonic, s.
 
     Attributes:
         dropped: rows that came after :meth:`close`.
@@ -102,14 +103,15 @@ class Recorder:
         columns: tuple[str, ...],
         notes: dict[str, Any],
         decimation: int = DECIMATION,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.decimation, self.dropped, self.closed = decimation, 0, False
+        self.decimation, self.dropped, self.closed, self._clock = decimation, 0, False, clock
         self._messages = message_rows(len(columns), _CAPACITY)
         self._rows = np.zeros((_CAPACITY, len(columns)))
         ends = np.cumsum([len(source) for source in sources]).tolist()
         self._sources = [(slice(end - len(source), end), source) for end, source in zip(ends, sources, strict=True)]
         self._count, self._events = 0, list[Event]()
-        self._written_until, self._flushed = 0.0, time.monotonic()
+        self._written_until, self._flushed = 0.0, clock()
         with self._disk():
             self._writer = ChunkWriter(file, Head(columns, decimation, 0, notes))
 
@@ -133,7 +135,7 @@ class Recorder:
         for place, source in self._sources:
             row[place] = source
         self._count += 1
-        if self._count == _CAPACITY or time.monotonic() - self._flushed >= _EVERY:
+        if self._count == _CAPACITY or self._clock() - self._flushed >= _EVERY:
             self.flush()
         return False
 
@@ -154,7 +156,7 @@ class Recorder:
             self._writer.write(kept, self._events)
             if self._count:
                 self._written_until = float(self._rows[self._count - 1, 0])
-            self._count, self._events, self._flushed = 0, [], time.monotonic()
+            self._count, self._events, self._flushed = 0, [], self._clock()
 
     def close(self) -> None:
         """Write the rest and finish the file.
