@@ -90,6 +90,8 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
     ("live",): Command("gaitsmith.cli.live", "live", "a page to watch and steer a walk, or to replay a recorded run"),
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
+    ("library", "build"): Command("gaitsmith.cli.library", "build", "a grid of gaits planned into a folder"),
+    ("library", "show"): Command("gaitsmith.cli.library", "show", "what a library of gaits holds"),
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),
     ("export",): Command("gaitsmith.cli.export", "export", "a gait file as CSV or MCAP"),
     ("log", "check"): Command("gaitsmith.cli.log_check", "check", "what a run recorded; mends what a killed one left"),

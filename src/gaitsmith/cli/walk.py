@@ -71,11 +71,12 @@ def scenario_from(arguments: _Walk) -> Scenario:
         base = load_scenario(arguments.scenario).model_dump(mode="json", exclude_none=True)
     given = _given(arguments)
     try:
-        if {**base, **given}.get("gait"):
+        whole = {**base, **given}
+        if whole.get("gait") or whole.get("library"):
             from gaitsmith.simulation.planned_run import completed
 
-            return make_scenario(completed({**(base if base is not DEFAULT else {}), **given}))
-        return make_scenario({**base, **given})
+            return make_scenario(completed({**(base if base is not DEFAULT or whole.get("library") else {}), **given}))
+        return make_scenario(whole)
     except BadInput as error:
         raise _renamed(error, arguments) from None
 
@@ -154,8 +155,7 @@ def _portable(scenario: Scenario) -> Scenario:
     from gaitsmith.robots import robot_names
 
     found: dict[str, Any] = {"gait": tuple(str(Path(path).resolve()) for path in scenario.gait)}
-    if scenario.policy:
-        found["policy"] = str(Path(scenario.policy).resolve())
+    found |= {name: str(Path(path).resolve()) for name in ("policy", "library") if (path := getattr(scenario, name))}
     if scenario.robot.replace("-", "_") not in robot_names():
         found["robot"] = str(Path(scenario.robot).resolve())
     return scenario.model_copy(update=found)

@@ -9,40 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.compiled import Arena
-from gaitsmith.control.defaults import Scale, preset_parameters, robot_scale
-from gaitsmith.control.gains import make_following_tasks, make_gains
-from gaitsmith.control.joint_torque import make_joint_feedback
-from gaitsmith.control.state import DAMPING, FOLLOWING, OFF, STANDING, STATE_NAMES, Tick, make_control_state
+from gaitsmith.control.defaults import preset_parameters, robot_scale
+from gaitsmith.control.state import DAMPING, FOLLOWING, OFF, STANDING, STATE_NAMES
+from gaitsmith.control.storage import make_storage, memory_of
 from gaitsmith.control.telemetry import Telemetry, make_telemetry
 from gaitsmith.control.tick import tick
-from gaitsmith.dynamics.tree import read_tree
 from gaitsmith.errors import BadInput
-from gaitsmith.estimation.estimator import Estimation, make_estimator_gains, make_estimator_state
-from gaitsmith.estimation.measurement import Measurement, make_measurement
-from gaitsmith.estimation.readings import Checking, make_readings
-from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
+from gaitsmith.estimation.measurement import Measurement
 from gaitsmith.planned.clock import PlanClock
 from gaitsmith.planned.law import FollowParameters, make_following, restart_following
-from gaitsmith.planned.replay import BY_CLOCK_ALONE, ReplayGains, ReplayParameters
-from gaitsmith.planned.table import Plan
-from gaitsmith.qp.quadratic_program import make_quadratic_program
+from gaitsmith.planned.replay import BY_CLOCK_ALONE
+from gaitsmith.planned.table import Plan, PlanTable
 from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import GaitParameters, at_rest, check_gait, gait_numbers
 from gaitsmith.robots.presets import ControlParameters
-from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
-from gaitsmith.template.posture import commanded, make_posture
-from gaitsmith.template.state import Template, make_balance
-from gaitsmith.template.step import make_gait_inputs, make_step_state
-from gaitsmith.template.touchdown import make_touchdown_rule
-from gaitsmith.whole_body.frames import make_body
-from gaitsmith.whole_body.legs import make_legs
-from gaitsmith.whole_body.problem import make_whole_body
-from gaitsmith.whole_body.reference import make_reference
+from gaitsmith.template.posture import commanded
+from gaitsmith.template.step import make_gait_inputs
 
-CONTROL_PERIOD = 1e-3
 TRACKINGS = ("whole-body", "replay")
-_POSTURE = 3.0  # ω, of the approach to a commanded posture
-_YAW = 2  # of a sole's three turning axes
 
 
 class Controller:
@@ -92,7 +76,7 @@ class Controller:
         soles = tuple(leg.name for leg in robot.legs)
         inputs = tuple(name for name, _, _ in gait_numbers(self.gait.model_dump()))
         telemetry, self.telemetry_buffer, self.telemetry_columns = make_telemetry(robot.joint_names, soles, inputs)
-        self._arena = Arena(_make_view(robot, self.scale, self.parameters, self.gait, self.estimated, telemetry))
+        self._arena = Arena(make_storage(robot, self.scale, self.parameters, self.gait, self.estimated, telemetry))
         self._g = self._arena.view
         self._address = self._arena.address
         self.measurement: Measurement = self._g.measurement
@@ -100,12 +84,12 @@ class Controller:
         self._torque = self._g.control.torque
         self.reference = self._g.reference
         self.sole_pitch = self._g.body.frames.sole_pitch
-        self._initial = [[array.copy() for array in group] for group in _memory(self._g)]
+        self._initial = [[array.copy() for array in group] for group in memory_of(self._g)]
         self.reset()
 
     def reset(self) -> None:
         """Forget everything but the requested gait: at rest on both feet, counters at zero."""
-        for group, initial in zip(_memory(self._g), self._initial, strict=True):
+        for group, initial in zip(memory_of(self._g), self._initial, strict=True):
             for array, first in zip(group, initial, strict=True):
                 array[...] = first
         template = self._g.template
@@ -187,13 +171,40 @@ class Controller:
         Raises:
             BadInput: no plan was loaded, or it runs.
         """
+        self._begin()
+
+    def rest(self) -> None:
+        """Stay as the plan that was loaded ends, from the next tick on.
+
+        Raises:
+            BadInput: no plan was loaded, it runs, or it does not end at rest.
+        """
+        if self.plan is not None and not self.plan.at_rest[1]:
+            raise BadInput("rest", self.plan.name, "a plan that ends at rest")
+        plan = self._begin()
+        clock, last = self.plan_clock, len(plan.sequence) - 1
+        clock.visit[0], clock.time[0], clock.ended[0] = last, plan.duration[plan.sequence[last]], 1
+
+    def leave_loop(self) -> None:
+        """Go on to what comes after the plan's loop as soon as the present pass of it is over."""
+        self._passes[0] = self.plan_clock.pass_number[0] + 1
+
+    @property
+    def _passes(self) -> npt.NDArray[np.int64]:
+        """(1,) how often the plan's loop is gone through; a view."""
+        return np.asarray(self._g.following.plan.passes)
+
+    def _begin(self) -> PlanTable:
+        """Put the plan to its beginning, and ask for it."""
         if self.plan is None:
             raise BadInput("follow", "no plan", "a plan that was loaded", "load(plan) first")
         self._refuse_while_following("follow", self.plan.name)
         restart_following(self._g.following)
+        self._passes[0] = self.plan.table.passes
         self._g.control.replays[0] = int(self._replays)
         self._g.control.asked[0] = FOLLOWING
         self._g.whole_body.solution.fresh[0], self._g.control.sent[0] = 1, 0
+        return self.plan.table
 
     @property
     def plan_clock(self) -> PlanClock:
@@ -259,91 +270,3 @@ class Controller:
                 kept[...] = given
         tick(self._address)
         return self._torque
-
-
-def _memory(g: Tick) -> list[Any]:
-    """Groups of arrays that a reset puts back to what they were at first."""
-    template, problem = g.template, g.whole_body
-    return [
-        *(
-            template.step,
-            template.posture,
-            template.chains,
-            template.inverse_program,
-            g.control,
-            g.checking.readings,
-            g.checking.expected,
-            g.estimation.state,
-            g.reference,
-        ),
-        *((g.body.q, g.body.v), problem.contacts, problem.solution, problem.program),
-    ]
-
-
-def _make_view(
-    robot: Robot,
-    scale: Scale,
-    parameters: ControlParameters,
-    gait: GaitParameters,
-    estimated: bool,
-    telemetry: Telemetry,
-) -> Tick:
-    """All that a tick reads and writes, before an arena owns it."""
-    n_joints, n_soles = len(robot.joint_names), len(robot.legs)
-    chains = [make_leg_kinematics(robot, leg) for leg in robot.legs]
-    n_leg = len(robot.legs[0].joints)
-    turns = all(chain.turning[_YAW] for chain in chains)
-    inputs, gains = make_gait_inputs(gait), make_gains(parameters, CONTROL_PERIOD)
-    body, reference = make_body(read_tree(robot.model), make_legs(robot)), make_reference(n_soles, n_joints)
-    whole_body = make_whole_body(body, reference, gains.pop("contact_bounds"), gains.pop("joint_bounds"))
-    measurement = make_measurement(n_joints, n_soles)
-    control = make_control_state(n_joints, estimated, turns, len(inputs.values))
-    dt = CONTROL_PERIOD
-    readings, expected = make_readings(measurement, estimated, scale.weight, scale.rate, scale.height, dt)
-    sensors = make_estimator_state(n_joints, n_soles)
-    filters = make_estimator_gains(
-        parameters.estimator, robot.imu_position, parameters.touchdown.force, scale.weight, robot.imu_rotation
-    )
-    template = Template(
-        body=body,
-        reference=reference,
-        sole_force=measurement.sole_force,
-        acceleration=whole_body.solution.acceleration,
-        turns=control.turns,
-        requested=inputs,
-        latched=make_gait_inputs(gait),
-        step=make_step_state(n_soles, n_leg),
-        posture=make_posture(body.legs.home, robot.velocity_limit, _POSTURE * scale.rate),
-        foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height, robot.card.gait_limits.height),
-        speed=make_speed_gains(parameters.speed),
-        forecast=Forecast(np.zeros(3), *(np.zeros(2) for _ in range(4))),
-        balance=make_balance(),
-        touchdown=make_touchdown_rule(parameters.touchdown),
-        chains=make_leg_table(chains),
-        inverse=make_inverse_kinematics(n_leg),
-        inverse_program=make_quadratic_program(n_leg, 0),
-        **{name: gains.pop(name) for name in ("times", "cop", "shares", "rest", "inverse_gains")},
-    )
-    return Tick(
-        body=body,
-        reference=reference,
-        template=template,
-        whole_body=whole_body,
-        following=make_following(robot),
-        following_tasks=make_following_tasks(scale, parameters),
-        replay=_replay_gains(scale, ReplayParameters()),
-        feedback=make_joint_feedback(parameters.joint_gains_estimated if estimated else parameters.joint_gains, n_leg),
-        measurement=measurement,
-        checking=Checking(
-            body, measurement, expected, readings, reference, whole_body.solution.acceleration, filters, sensors
-        ),
-        control=control,
-        estimation=Estimation(body, measurement, filters, sensors),
-        telemetry=telemetry,
-        **gains,
-    )
-
-
-def _replay_gains(scale: Scale, given: ReplayParameters) -> ReplayGains:
-    """Gains of a replay in SI units."""
-    return ReplayGains(given.stiffness * scale.torque, given.damping * scale.torque / scale.rate, given.attitude)

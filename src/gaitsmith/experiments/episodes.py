@@ -8,6 +8,7 @@ from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 
 from gaitsmith.compiled.cache import source_key
 from gaitsmith.errors import BadInput, GaitsmithError
@@ -43,6 +44,10 @@ def episode_key(loop: str, scenario: Scenario) -> str:
     """
     fields = scenario.model_dump(mode="json", exclude={"robot"})
     fields["gait"] = [hashlib.sha256(read_bounded(path, _LARGEST_GAIT)).hexdigest() for path in scenario.gait]
+    if scenario.library:
+        fields["library"] = hashlib.sha256(
+            read_bounded(Path(scenario.library) / "index.json", _LARGEST_GAIT)
+        ).hexdigest()
     if scenario.policy:
         fields["policy"] = hashlib.sha256(read_bounded(scenario.policy, _LARGEST_GAIT)).hexdigest()
     text = json.dumps(fields, sort_keys=True, allow_nan=False)

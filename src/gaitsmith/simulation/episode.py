@@ -26,16 +26,16 @@ from gaitsmith.simulation.diagnosis import Suspect, suspects
 from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.fall import Fall
 from gaitsmith.simulation.injection import Injector
-from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer, Script
+from gaitsmith.simulation.library_run import family_of
+from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.orders import scenario_orders
+from gaitsmith.simulation.orders import commands_of
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
-from gaitsmith.simulation.step_policy import OnnxPolicy, PolicyCommands
 from gaitsmith.simulation.summary import LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import Region, parse_terrain
 from gaitsmith.simulation.tour import Guide
@@ -109,7 +109,8 @@ class Simulation:
         if robot is None:
             check_soles(self.robot)
         check_scenario(scenario, self.robot)
-        self._gait = GaitParameters.model_validate({**self.robot.card.gait.model_dump(), **scenario.given()})
+        given = self.robot.card.gait.model_dump() | ({} if scenario.library else scenario.given())
+        self._gait = GaitParameters.model_validate(given)
         self.controller = controller or Controller(
             self.robot, preset=scenario.preset, state=scenario.state, gait=self._gait
         )
@@ -117,7 +118,8 @@ class Simulation:
         if state != scenario.state:
             remedy = "make both alike: the scenario says what the plant's sensors give"
             raise BadInput("controller's state", state, f"{scenario.state}, the scenario's", remedy)
-        self.plan = plan_of(scenario, self.robot)
+        family = family_of(scenario, self.robot)
+        self.plan = plan_of(scenario, self.robot) if family is None else family.plan
         if self.plan is not None:
             self.controller.reset()
             self.controller.load(self.plan, scenario.tracking)
@@ -125,7 +127,7 @@ class Simulation:
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),
             sensors=scenario.sensors if scenario.state == "estimated" else None,
-            region=region or (scenario.region() if self.plan is None else region_of(self.plan, scenario)),
+            region=region or region_of(self.plan, scenario),
             props=balls_of(self.plan, self.robot),
             passing=passing,
             **scenario.model_dump(include=_PLANT),
@@ -151,9 +153,8 @@ class Simulation:
             *(self._monitor, self._recorder, self._reactions, self._disturber, self._tracked, self._guide)
         ]
         observers = [observer for observer in watching if observer is not None]
-        orders: Commands = commands or self._guide or Script(scenario_orders(scenario), step)
-        if scenario.policy:
-            orders = PolicyCommands(orders, self.controller, OnnxPolicy(scenario.policy, self.robot))
+        own = commands or self._guide
+        orders = commands_of(scenario, self.controller, family, step, lambda event: self.loop.tell(event), own)
         backend: Backend = self.plant
         if scenario.faults:
             backend = Injector(self.plant, scenario.faults, self.robot, lambda event: self.loop.tell(event))
@@ -182,7 +183,8 @@ class Simulation:
 
     def _commanded(self) -> dict[str, Any]:
         """What is commanded at first: gait inputs, or the speed of the plan."""
-        return self._gait.model_dump() | ({} if self.plan is None else {"speed": (self.plan.speed, 0.0)})
+        planned = {} if self.plan is None else {"speed": (self.plan.speed, 0.0)}
+        return self._gait.model_dump() | planned | (self.scenario.given() if self.scenario.library else {})
 
     def _make_recorder(self, file: BinaryIO) -> Recorder:
         """Recorder of the controller's telemetry and the plant's truth."""
@@ -327,7 +329,7 @@ class Simulation:
             pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
             warnings=tuple(self.plant.warnings),
             memory_mb=Memory(start=self._memory, end=resident_mb()),
-            tracking=self._tracked.report(self.time) if self._tracked is not None else None,
+            tracking=self._tracked.report(self.time) if self._tracked and self.scenario.gait else None,
             faults=with_unnoticed(tuple(self._reactions.found), self.scenario.faults, self.time),
             tour=self._guide.report() if self._guide is not None else None,
             log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,

@@ -61,7 +61,7 @@ class Order:
     """
 
     command: Mapping[str, Any] = field(default_factory=dict)
-    action: Literal["", "walk", "stand", "follow"] = ""
+    action: Literal["", "walk", "stand", "follow", "rest"] = ""
     told: bool = True
     posture: Mapping[str, float] = field(default_factory=dict)
 

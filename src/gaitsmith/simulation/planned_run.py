@@ -26,12 +26,18 @@ _SAMPLE = 10  # ticks between two looks at the ZMP
 
 
 def completed(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """A scenario's plain values with the gait files' robot, and time for the whole plan, where they are not given.
+    """A scenario's plain values with the gait files' or the library's robot where none is given.
+
+    Time for the whole plan, too.
 
     Raises:
         BadInput: a file that cannot be used.
     """
     found = dict(fields)
+    if found.get("library"):
+        from gaitsmith.library.folder import Folder
+
+        return {"robot": Folder(found["library"]).spec()[0].robot} | found
     gaits = [read_gait(path)[0] for path in found["gait"]]
     if "robot" not in found:
         found["robot"] = load_robot_of(gaits[0]).card.name
@@ -63,8 +69,10 @@ def balls_of(plan: Plan | None, robot: Robot) -> tuple[Ball, ...]:
     return (Ball((x + robot.legs[0].sole.toe + ball.radius, y, ball.radius)),)
 
 
-def region_of(plan: Plan, scenario: Scenario) -> Region:
-    """Ground around the plan's path."""
+def region_of(plan: Plan | None, scenario: Scenario) -> Region:
+    """Ground around the path of a plan, or of what is commanded."""
+    if plan is None or scenario.library:
+        return scenario.region()
     far = plan.forward(min(scenario.duration, plan.duration))
     region = scenario.region()
     return Region((region.x[0] + min(far, 0.0), region.x[1] + max(far, 0.0)), region.y)

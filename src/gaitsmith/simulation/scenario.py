@@ -144,6 +144,11 @@ class Scenario(Command):
         Literal["whole-body", "replay"],
         About("How a gait file is followed: by the whole body, or replayed by the joints alone"),
     ] = "whole-body"
+    library: Annotated[
+        str,
+        Field(max_length=1000),
+        About("Library of gaits to walk by instead of the template: speed, lift and period within it", metavar="DIR"),
+    ] = ""
     policy: Annotated[
         str,
         Field(max_length=1000),
@@ -208,8 +213,12 @@ class Scenario(Command):
                 self.duration,
                 f"at least rest_before + rest_after = {self.rest_before + self.rest_after:g} s",
             )
-        if self.tour is not None and (self.changes or self.gait):
-            raise BadInput("tour", self.tour.id, "nothing with changes or a gait file", "the tour says where to go")
+        if self.tour is not None and (self.changes or self.gait or self.library):
+            valid = "nothing with changes, a gait file or a library"
+            raise BadInput("tour", self.tour.id, valid, "the tour says where to go")
+        if self.library and (self.gait or self.policy):
+            given = "gait" if self.gait else "policy"
+            raise BadInput(given, getattr(self, given), "nothing with a library", "leave one of them out")
         last = -math.inf
         for k, change in enumerate(self.changes):
             if change.time <= last:
@@ -299,7 +308,8 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
     if scenario.preset not in robot.card.presets:
         raise BadInput("preset", scenario.preset, "one of " + ", ".join(sorted(robot.card.presets)))
     for prefix, command in [("", scenario), *((f"changes[{k}].", change) for k, change in enumerate(scenario.changes))]:
-        check_gait(command.given(), robot.card.gait_limits, prefix)
+        if not scenario.library:  # which has limits of its own
+            check_gait(command.given(), robot.card.gait_limits, prefix)
     for joint in scenario.joint_frictions:
         if joint not in robot.joint_names:
             raise BadInput("joint_frictions", joint, "one of " + ", ".join(robot.joint_names))

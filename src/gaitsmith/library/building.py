@@ -1,0 +1,264 @@
+"""A library planned: every point from a neighbour nearer to the middle, on as many processes as there are."""
+
+from __future__ import annotations
+
+import io
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from gaitsmith.errors import BadInput
+from gaitsmith.library.folder import START, STOP, Folder, Record, digest
+from gaitsmith.library.spec import Index, Spec, key_of, spec_of
+from gaitsmith.robots import load_robot
+from gaitsmith.synthesis.files.gait_file import gait_document
+from gaitsmith.synthesis.motions.biped import REST, Biped, standing
+from gaitsmith.synthesis.motions.catalogue import start, stop
+from gaitsmith.synthesis.motions.settings import Settings
+from gaitsmith.synthesis.program.program import ImposedBound
+from gaitsmith.synthesis.proof.verify import verify
+from gaitsmith.synthesis.solution.ipopt import Solution
+from gaitsmith.synthesis.solution.plan import Planner, PlanResult
+from gaitsmith.work.workers import Workers, workers
+
+Done = tuple[Record, bytes, bytes]
+"""A record, the gait file's content, and what a neighbour starts from."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """How building ended.
+
+    Attributes:
+        records: by key, start and stop among them.
+        base: key of the gait that start and stop belong to; empty if none could be planned.
+        resumed: points found in the folder.
+        seconds: spent.
+        interrupted: whether Ctrl-C left some out.
+    """
+
+    records: dict[str, Record]
+    base: str
+    resumed: int
+    seconds: float
+    interrupted: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """What a worker keeps from task to task."""
+
+    spec: Spec
+    planner: Planner
+    motions: dict[Index, Any]
+
+    def settings(self, transfer: float) -> Settings:
+        return self.spec.settings.sized(self.planner.biped, transfer)
+
+
+@cache
+def _made(spec: str) -> _Made:
+    found = spec_of(json.loads(spec), "spec")
+    planner = Planner(load_robot(found.robot))
+    return _Made(found, planner, found.motions(planner.biped))
+
+
+def plan_point(spec: str, point: Index, origin: str, warm: bytes) -> Done:
+    """Plan one point, from a neighbour's result if there is one, else, or if that fails, from nothing."""
+    made = _made(spec)
+    step, motion = made.motions[point]
+    settings = made.settings(step.transfer)
+    found = made.planner.plan(motion, settings, neighbour=thawed(warm)) if warm else None
+    if found is None or found.gait is None:
+        origin, found = "", made.planner.plan(motion, settings)
+    return _finished(made, found, origin)
+
+
+def plan_end(spec: str, point: Index, which: str, goal: tuple[Any, Any, Any]) -> Done:
+    """Plan the motion from rest to a point's gait, or back."""
+    made = _made(spec)
+    step, _ = made.motions[point]
+    settings = made.settings(step.transfer)
+    biped = made.planner.biped
+    rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
+    motion = (start if which == START else stop)(biped, step, rest, goal)
+    return _finished(made, made.planner.plan(motion, settings), key_of(point))
+
+
+def _finished(made: _Made, found: PlanResult, origin: str) -> Done:
+    if found.gait is None:
+        return Record(status="failed", reason=found.reason[:2000], iterations=found.iterations), b"", b""
+    verdict = verify(found.gait, made.planner.biped.robot)
+    if not verdict.ok:
+        text = "; ".join(verdict.problems[:2])[:2000]
+        return Record(status="failed", reason=text, iterations=found.iterations), b"", b""
+    gait = (json.dumps(gait_document(found.gait), separators=(",", ":")) + "\n").encode()
+    record = Record(
+        status="certified",
+        objective=found.objective,
+        iterations=found.iterations,
+        origin=origin,
+        parameters=found.gait.motion.parameters,
+        gait=digest(gait),
+    )
+    return record, gait, frozen(found)
+
+
+def frozen(result: PlanResult) -> bytes:
+    """What a neighbour starts from, as bytes that are the same for the same result."""
+    assert result.solution is not None
+    file = io.BytesIO()
+    np.savez(
+        file,
+        x=result.x,
+        bounds=np.array([(item.phase, item.bound) for item in result.imposed], dtype=np.int64).reshape(-1, 2),
+        times=np.array([(item.time, item.tighten) for item in result.imposed]).reshape(-1, 2),
+        borders=result.borders,
+        solution=result.solution.x,
+        multipliers=result.solution.multipliers,
+    )
+    return file.getvalue()
+
+
+def thawed(content: bytes) -> PlanResult:
+    """A result again, as far as a neighbour needs it.
+
+    Raises:
+        BadInput: the content is damaged.
+    """
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as held:
+            imposed = [
+                ImposedBound(int(phase), int(bound), float(at), float(tighten))
+                for (phase, bound), (at, tighten) in zip(held["bounds"], held["times"], strict=True)
+            ]
+            solution = Solution(held["solution"], True, "", 0, 0.0, held["multipliers"])
+            return PlanResult(
+                "solved", "", 0, {}, x=held["x"], imposed=imposed, borders=held["borders"], solution=solution
+            )
+    except (OSError, ValueError, KeyError, EOFError) as error:
+        raise BadInput("warm", str(error)[:60], "what a plan left for its neighbours", "delete the file") from None
+
+
+def build(
+    spec: Spec,
+    folder: Folder,
+    *,
+    jobs: int = 1,
+    address: str = "",
+    tell: Callable[[int, int], None] | None = None,
+    notify: Callable[[str], None] | None = None,
+) -> Built:
+    """Plan what a folder does not hold yet; killed at any moment, the same call goes on.
+
+    Args:
+        spec: what is wanted.
+        folder: where it goes.
+        jobs: processes of this machine.
+        address: of a Ray cluster instead.
+        tell: called with the number of points done, and of all.
+        notify: called once before the dynamics are compiled.
+
+    Raises:
+        BadInput: the robot cannot be planned for, the folder holds something else, or as :func:`workers`.
+    """
+    began, robot = time.perf_counter(), load_robot(spec.robot)
+    planner = Planner(robot, notify)
+    spec.motions(planner.biped)  # refuses what cannot be, before anything is written
+    with workers(jobs, address) as crew:
+        _ = planner.functions  # compiles once, before the processes would all do it
+        folder.begin(spec, robot)
+        work = _Work(spec, folder, crew, tell)
+        resumed = len(work.records)
+        try:
+            work.run()
+            base = work.finish(planner.biped)
+        except KeyboardInterrupt:
+            return Built(work.records, "", resumed, time.perf_counter() - began, True)
+    return Built(work.records, base, resumed, time.perf_counter() - began, False)
+
+
+class _Work:
+    """Points in an order in which every one comes after the neighbour that it starts from."""
+
+    def __init__(
+        self, spec: Spec, folder: Folder, crew: Workers, tell: Callable[[int, int], None] | None = None
+    ) -> None:
+        self.spec, self._folder, self._crew, self._tell = spec, folder, crew, tell
+        self._text = json.dumps(spec.model_dump(mode="json"))
+        found = {point: folder.get(key_of(point)) for point in spec.points}
+        self.records = {key_of(point): record for point, record in found.items() if record is not None}
+
+    def run(self) -> None:
+        """Plan all points that are missing."""
+        children: dict[Index | None, list[Index]] = {}
+        for point in self.spec.points:
+            children.setdefault(self.spec.parent(point), []).append(point)
+        ready, open_ = list(children[None]), 0
+        points = {key_of(point): point for point in self.spec.points}
+        while ready or open_:
+            for point in ready:
+                key = key_of(point)
+                if key in self.records:
+                    continue
+                self._crew.submit(key, plan_point, self._text, point, *self._origin(point))
+                open_ += 1
+            known = [point for point in ready if key_of(point) in self.records]
+            ready = [child for point in known for child in children.get(point, [])]
+            if ready or not open_:
+                continue
+            key = self._take()
+            open_ -= 1
+            ready = list(children.get(points[key], []))
+
+    def _origin(self, point: Index) -> tuple[str, bytes]:
+        """The nearest forebear that has a gait, and what it left."""
+        parent = self.spec.parent(point)
+        while parent is not None:
+            key = key_of(parent)
+            if self.records[key].certified:
+                return key, self._folder.warm(key)
+            parent = self.spec.parent(parent)
+        return "", b""
+
+    def _take(self) -> str:
+        """Wait for the next result, and keep it."""
+        key, (record, gait, warm) = self._crew.done()
+        self._folder.put(key, record, gait, warm)
+        self.records[key] = record
+        if self._tell is not None:
+            self._tell(len(self.records), len(self.spec.points) + 2)
+        return str(key)
+
+    def finish(self, biped: Biped) -> str:
+        """Plan start and stop for the first gait for which both exist, slow ones first, and write the index."""
+        keys = [key_of(point) for point in self.spec.points]
+        for point in self.spec.points:
+            key = key_of(point)
+            if not self.records[key].certified:
+                continue
+            gait = self._folder.gait(key, self.records[key])
+            q, v, a = gait.joints(0, np.array([0.0]))
+            goal = tuple(values[biped.index, 0] for values in (q, v, a))
+            held = {which: self._folder.get(which) for which in (START, STOP)}
+            missing = [which for which, record in held.items() if record is None or record.origin != key]
+            self.records |= {which: record for which, record in held.items() if record is not None}
+            for which in missing:
+                self._crew.submit(which, plan_end, self._text, point, which, goal)
+            for _ in missing:
+                self._take()
+            if all(self.records[which].certified for which in (START, STOP)):
+                self._folder.end(key, [*keys, START, STOP])
+                return key
+        self._folder.end("", keys)
+        return ""
+
+
+def failures(built: Built) -> list[dict[str, str]]:
+    """What could not be planned, and why."""
+    return [{"point": key, "reason": item.reason} for key, item in built.records.items() if not item.certified]

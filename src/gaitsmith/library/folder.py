@@ -1,0 +1,231 @@
+"""A library's folder: what it is to hold, a record and a gait file a point, and an index once it is whole.
+
+``library.json`` says what is planned, ``points/`` has a record a point, ``gaits/`` the gait files, ``warm/`` what a
+neighbour starts from. A record is written last, so a point without one has to be planned. ``index.json`` ends the work:
+it holds a hash of every record and gait.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from gaitsmith.documents import Frozen, checked, parse_json
+from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded, reason, write_bytes_atomic, write_text_atomic
+from gaitsmith.library.spec import Spec, key_of, spec_of
+from gaitsmith.robots import Robot
+from gaitsmith.synthesis import Gait, read_gait
+
+FORMAT = "gaitsmith-library"
+VERSION = 1
+START, STOP = "start", "stop"
+"""Keys of the motions from and to rest."""
+_LIMIT, _GAIT = 20_000_000, 50_000_000  # bytes
+_PARTS = ("points", "gaits", "warm")
+_REMEDY = "build it again into another folder"
+_Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+
+
+class Record(Frozen):
+    """What became of a point.
+
+    Attributes:
+        status: ``certified``, or ``failed``.
+        reason: why there is no gait, in words.
+        objective: J, 0 without a gait.
+        iterations: of all solves.
+        origin: key of the neighbour that the plan started from; empty if it started from nothing.
+        parameters: of the step.
+        gait: SHA-256 of the gait file; empty without one.
+    """
+
+    status: Literal["certified", "failed"]
+    reason: Annotated[str, Field(max_length=2000)] = ""
+    objective: float = 0.0
+    iterations: Annotated[int, Field(ge=0)] = 0
+    origin: Annotated[str, Field(max_length=40)] = ""
+    parameters: dict[str, float] = Field(default_factory=dict)
+    gait: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
+
+    @property
+    def certified(self) -> bool:
+        """Whether there is a gait."""
+        return self.status == "certified"
+
+
+class _Head(Frozen):
+    """``library.json``."""
+
+    format: Literal["gaitsmith-library"]
+    version: Literal[1]
+    robot_hash: _Digest
+    spec: dict[str, Any]
+    checksum: _Digest
+
+
+class _Index(Frozen):
+    """``index.json``."""
+
+    base: Annotated[str, Field(max_length=40)]
+    records: Annotated[dict[str, _Digest], Field(max_length=10_010)]
+    checksum: _Digest
+
+
+def digest(content: bytes) -> str:
+    """SHA-256 of some bytes."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def _text(data: Any) -> str:
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
+
+
+def _signed(data: dict[str, Any]) -> str:
+    return _text(data | {"checksum": digest(_text(data).encode())})
+
+
+class Folder:
+    """A library on disk.
+
+    Args:
+        path: its folder.
+
+    Attributes:
+        path: the same.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+
+    def begin(self, spec: Spec, robot: Robot) -> None:
+        """Make the folder, or go on with one that is to hold the same.
+
+        Raises:
+            BadInput: it cannot be made, or it holds something else.
+        """
+        head = {"format": FORMAT, "version": VERSION, "robot_hash": robot.content_hash}
+        head |= {"spec": spec.model_dump(mode="json")}
+        text = _signed(head)
+        try:
+            used = self.path.is_dir() and any(self.path.iterdir())
+            if used and read_bounded(self.path / "library.json", _LIMIT) != text.encode():
+                raise BadInput("--out", str(self.path), "a new folder, or one begun with the same SPEC and robot")
+            for part in _PARTS:
+                (self.path / part).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise BadInput("--out", str(self.path), "a folder that can be written", reason(error)) from None
+        write_text_atomic(self.path / "library.json", text)
+
+    def put(self, key: str, record: Record, gait: bytes, warm: bytes) -> None:
+        """Keep what became of a point; the record last."""
+        if record.certified:
+            write_bytes_atomic(self._gait(key), gait)
+            write_bytes_atomic(self.path / "warm" / f"{key}.npz", warm)
+        write_text_atomic(self.path / "points" / f"{key}.json", _text(record.model_dump(mode="json")))
+
+    def get(self, key: str) -> Record | None:
+        """What became of a point; None if that is not known, or if its files are not as they were written."""
+        try:
+            record = self._record(key)
+            if record.certified and digest(read_bounded(self._gait(key), _GAIT)) != record.gait:
+                return None
+            return record if not record.certified or self.warm(key) else None
+        except BadInput:
+            return None
+
+    def warm(self, key: str) -> bytes:
+        """What a neighbour of a point starts from.
+
+        Raises:
+            BadInput: it cannot be read.
+        """
+        return read_bounded(self.path / "warm" / f"{key}.npz", _LIMIT)
+
+    def end(self, base: str, keys: list[str]) -> None:
+        """Write the index."""
+        hashes = {key: digest(read_bounded(self.path / "points" / f"{key}.json", _LIMIT)) for key in keys}
+        write_text_atomic(self.path / "index.json", _signed({"base": base, "records": hashes}))
+
+    def spec(self) -> tuple[Spec, str]:
+        """What the library is to hold, and its robot's hash.
+
+        Raises:
+            BadInput: no library, one of another version, or one that was edited.
+        """
+        head = self._read("library.json", _Head)
+        return spec_of(head.spec, f"{self.path / 'library.json'}: spec"), head.robot_hash
+
+    def records(self) -> dict[str, Record]:
+        """All records so far, by key.
+
+        Raises:
+            BadInput: as :meth:`spec`, or a record that cannot be read.
+        """
+        keys = [key_of(point) for point in self.spec()[0].points]
+        return {key: self._record(key) for key in keys if (self.path / "points" / f"{key}.json").is_file()}
+
+    def whole(self) -> tuple[str, dict[str, Record]]:
+        """Key of the gait that start and stop belong to (empty if none could be planned), and every record.
+
+        Raises:
+            BadInput: the library is not finished, or was edited.
+        """
+        if not (self.path / "index.json").is_file():
+            self.spec()
+            valid = "a finished library"
+            raise BadInput(str(self.path), "no index.json", valid, "the command that built it goes on where it stopped")
+        index, found = self._read("index.json", _Index), dict[str, Record]()
+        for key, expected in index.records.items():
+            path = self.path / "points" / f"{Path(key).name}.json"
+            if digest(read_bounded(path, _LIMIT)) != expected:
+                raise BadInput(str(path), "another content", "the one that was planned", f"edited; {_REMEDY}")
+            found[key] = self._record(Path(key).name)
+        wanted = {key_of(point) for point in self.spec()[0].points}
+        if not wanted <= set(found) <= wanted | {START, STOP} or (index.base and index.base not in found):
+            raise BadInput(str(self.path / "index.json"), "other points", "those of library.json", _REMEDY)
+        return index.base, found
+
+    def gait(self, key: str, record: Record) -> Gait:
+        """A gait.
+
+        Raises:
+            BadInput: its file is not the one that was planned.
+        """
+        path = self._gait(key)
+        if digest(read_bounded(path, _GAIT)) != record.gait:
+            raise BadInput(str(path), "another content", "the one that was planned", f"edited; {_REMEDY}")
+        return read_gait(path)[0]
+
+    def _gait(self, key: str) -> Path:
+        return self.path / "gaits" / f"{key}.json"
+
+    def _record(self, key: str) -> Record:
+        path = self.path / "points" / f"{key}.json"
+        return checked(Record, _parsed(path), str(path))
+
+    def _read(self, name: str, model: type[Any]) -> Any:
+        path = self.path / name
+        if not path.is_file():
+            raise BadInput(str(self.path), f"no {name}", "a folder that gaitsmith library build wrote")
+        data = _parsed(path)
+        if not isinstance(data, dict) or (name == "library.json" and data.get("format") != FORMAT):
+            raise BadInput(str(path), "something else", "a file that gaitsmith library build wrote")
+        if name == "library.json" and data.get("version") != VERSION:
+            raise BadInput(f"{path}: version", data.get("version"), str(VERSION), _REMEDY)
+        found = checked(model, data, str(path))
+        kept = {key: value for key, value in data.items() if key != "checksum"}
+        if digest(_text(kept).encode()) != found.checksum:
+            raise BadInput(f"{path}: checksum", found.checksum[:16], "the content's own", f"edited; {_REMEDY}")
+        return found
+
+
+def _parsed(path: Path) -> Any:
+    try:
+        return parse_json(read_bounded(path, _LIMIT))
+    except (ValueError, RecursionError) as error:
+        raise BadInput(str(path), str(error)[:60], "a whole JSON file", _REMEDY) from None
