@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -30,3 +32,9 @@ def test_an_error_may_be_named_anew() -> None:
     assert str(error.within("run.toml")) == "run.toml: duration: got 3, expected 4; wait"
     assert str(error.named("--duration")) == "--duration: got 3, expected 4; wait"
     assert error.within("").field == "duration"
+
+
+def test_an_error_reaches_another_process_as_it_was():
+    error = pickle.loads(pickle.dumps(BadInput("--speed", 3.0, "0 to 1", "slower")))
+    assert (error.field, error.value, error.valid, error.remedy) == ("--speed", 3.0, "0 to 1", "slower")
+    assert str(pickle.loads(pickle.dumps(BadInput("a", object, "b")))).startswith("a: got")

@@ -34,6 +34,11 @@ class BadInput(GaitsmithError):
         room = _LONGEST - len(f"{where}: got {shown}, expected {advice}")
         super().__init__(" ".join(f"{where}: got {shown}, expected {_cut(valid, room)}{advice}".split()))
 
+    def __reduce__(self) -> tuple[type[BadInput], tuple[str, object, str, str]]:
+        """To another process by what it was made of; a value that may not go there, as its words."""
+        value = self.value if isinstance(self.value, str | int | float | bool | None) else _shown(self.value)
+        return BadInput, (self.field, value, self.valid, self.remedy)
+
     def within(self, source: str) -> BadInput:
         """The same error, its field found in a source, such as a file; an empty source changes nothing."""
         return self.named(": ".join(part for part in (source, self.field) if part) or "input")

@@ -14,10 +14,11 @@ from gaitsmith.compiled.cache import source_key
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.experiments.result import Progress, silent
 from gaitsmith.experiments.store import Store
-from gaitsmith.files import read_bounded, uninterrupted
+from gaitsmith.files import read_bounded
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation, Summary, run_episode
 from gaitsmith.simulation.scenario import check_scenario
+from gaitsmith.work.workers import workers
 
 _LOOP = "gaitsmith.simulation.episode"
 _LARGEST_GAIT = 100_000_000  # bytes
@@ -165,16 +166,10 @@ def _remote(scenario: Scenario) -> _Done:
 
 def _elsewhere(pending: Sequence[Scenario], robot: Robot, jobs: int) -> _Source:
     """Run on ``jobs`` processes, longest first; a process that dies ends the experiment."""
-    from joblib import Parallel, delayed, parallel_config
-    from joblib.externals.loky.process_executor import TerminatedWorkerError
-
     longest_first = sorted(pending, key=lambda scenario: -scenario.duration)
     Simulation(longest_first[0], robot=robot, record=False)  # compile once, not in every process at the same time
-    try:
-        with parallel_config(backend="loky", n_jobs=min(jobs, len(pending)), inner_max_num_threads=1):
-            parallel = Parallel(return_as="generator_unordered", batch_size=1)
-            with uninterrupted():  # only this process decides what is finished
-                results = parallel(delayed(_remote)(scenario) for scenario in longest_first)
-            yield from results
-    except TerminatedWorkerError:
-        raise GaitsmithError("a worker process was killed; finished runs are kept, run again with fewer jobs") from None
+    with workers(min(jobs, len(pending))) as crew:
+        for number, scenario in enumerate(longest_first):
+            crew.submit(str(number), _remote, scenario)
+        for _ in longest_first:
+            yield crew.done()[1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import time
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -14,7 +15,7 @@ import numpy as np
 
 from gaitsmith.errors import BadInput
 from gaitsmith.library.folder import START, STOP, Folder, Record, digest
-from gaitsmith.library.spec import Index, Spec, key_of, spec_of
+from gaitsmith.library.spec import Index, Spec, checked_spec, key_of
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.files.gait_file import gait_document
 from gaitsmith.synthesis.motions.biped import REST, Biped, standing
@@ -63,7 +64,7 @@ class _Made:
 
 @cache
 def _made(spec: str) -> _Made:
-    found = spec_of(json.loads(spec), "spec")
+    found = checked_spec(json.loads(spec), "spec")
     planner = Planner(load_robot(found.robot))
     return _Made(found, planner, found.motions(planner.biped))
 
@@ -98,6 +99,7 @@ def _finished(made: _Made, found: PlanResult, origin: str) -> Done:
         text = "; ".join(verdict.problems[:2])[:2000]
         return Record(status="failed", reason=text, iterations=found.iterations), b"", b""
     gait = (json.dumps(gait_document(found.gait), separators=(",", ":")) + "\n").encode()
+    warm = frozen(found)
     record = Record(
         status="certified",
         objective=found.objective,
@@ -105,8 +107,9 @@ def _finished(made: _Made, found: PlanResult, origin: str) -> Done:
         origin=origin,
         parameters=found.gait.motion.parameters,
         gait=digest(gait),
+        warm=digest(warm),
     )
-    return record, gait, frozen(found)
+    return record, gait, warm
 
 
 def frozen(result: PlanResult) -> bytes:
@@ -141,7 +144,7 @@ def thawed(content: bytes) -> PlanResult:
             return PlanResult(
                 "solved", "", 0, {}, x=held["x"], imposed=imposed, borders=held["borders"], solution=solution
             )
-    except (OSError, ValueError, KeyError, EOFError) as error:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise BadInput("warm", str(error)[:60], "what a plan left for its neighbours", "delete the file") from None
 
 

@@ -17,7 +17,7 @@ from pydantic import Field
 from gaitsmith.documents import Frozen, checked, parse_json
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, reason, write_bytes_atomic, write_text_atomic
-from gaitsmith.library.spec import Spec, key_of, spec_of
+from gaitsmith.library.spec import Spec, checked_spec, key_of
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis import Gait, read_gait
 
@@ -41,7 +41,7 @@ class Record(Frozen):
         iterations: of all solves.
         origin: key of the neighbour that the plan started from; empty if it started from nothing.
         parameters: of the step.
-        gait: SHA-256 of the gait file; empty without one.
+        gait, warm: SHA-256 of the gait file, and of what a neighbour starts from; empty without them.
     """
 
     status: Literal["certified", "failed"]
@@ -51,6 +51,7 @@ class Record(Frozen):
     origin: Annotated[str, Field(max_length=40)] = ""
     parameters: dict[str, float] = Field(default_factory=dict)
     gait: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
+    warm: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
 
     @property
     def certified(self) -> bool:
@@ -125,16 +126,15 @@ class Folder:
         """Keep what became of a point; the record last."""
         if record.certified:
             write_bytes_atomic(self._gait(key), gait)
-            write_bytes_atomic(self.path / "warm" / f"{key}.npz", warm)
+            write_bytes_atomic(self._warm(key), warm)
         write_text_atomic(self.path / "points" / f"{key}.json", _text(record.model_dump(mode="json")))
 
     def get(self, key: str) -> Record | None:
         """What became of a point; None if that is not known, or if its files are not as they were written."""
         try:
             record = self._record(key)
-            if record.certified and digest(read_bounded(self._gait(key), _GAIT)) != record.gait:
-                return None
-            return record if not record.certified or self.warm(key) else None
+            files = [(self._gait(key), record.gait), (self._warm(key), record.warm)] if record.certified else []
+            return record if all(digest(read_bounded(path, _GAIT)) == known for path, known in files) else None
         except BadInput:
             return None
 
@@ -144,7 +144,7 @@ class Folder:
         Raises:
             BadInput: it cannot be read.
         """
-        return read_bounded(self.path / "warm" / f"{key}.npz", _LIMIT)
+        return read_bounded(self._warm(key), _GAIT)
 
     def end(self, base: str, keys: list[str]) -> None:
         """Write the index."""
@@ -158,7 +158,7 @@ class Folder:
             BadInput: no library, one of another version, or one that was edited.
         """
         head = self._read("library.json", _Head)
-        return spec_of(head.spec, f"{self.path / 'library.json'}: spec"), head.robot_hash
+        return checked_spec(head.spec, f"{self.path / 'library.json'}: spec"), head.robot_hash
 
     def records(self) -> dict[str, Record]:
         """All records so far, by key.
@@ -203,6 +203,9 @@ class Folder:
 
     def _gait(self, key: str) -> Path:
         return self.path / "gaits" / f"{key}.json"
+
+    def _warm(self, key: str) -> Path:
+        return self.path / "warm" / f"{key}.npz"
 
     def _record(self, key: str) -> Record:
         path = self.path / "points" / f"{key}.json"

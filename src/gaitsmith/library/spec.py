@@ -136,7 +136,7 @@ def read_spec(path: str | Path) -> Spec:
     return checked(Spec, data, Path(path).name)
 
 
-def spec_of(data: Any, source: str) -> Spec:
+def checked_spec(data: Any, source: str = "spec") -> Spec:
     """The library that plain data describe, with lists for tuples."""
     return checked(Spec, data, source)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,6 @@ from gaitsmith.log.columns import Columns
 from gaitsmith.log.record import DECIMATION, Log, Recorder, Scratch, new_file, read_back
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.footing import check_soles
-from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.diagnosis import Suspect, suspects
 from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.fall import Fall
@@ -30,7 +29,7 @@ from gaitsmith.simulation.library_run import family_of
 from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.orders import commands_of
+from gaitsmith.simulation.orders import commanded_first, commands_of, first_gait
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
@@ -109,8 +108,7 @@ class Simulation:
         if robot is None:
             check_soles(self.robot)
         check_scenario(scenario, self.robot)
-        given = self.robot.card.gait.model_dump() | ({} if scenario.library else scenario.given())
-        self._gait = GaitParameters.model_validate(given)
+        self._gait = first_gait(scenario, self.robot)
         self.controller = controller or Controller(
             self.robot, preset=scenario.preset, state=scenario.state, gait=self._gait
         )
@@ -118,8 +116,9 @@ class Simulation:
         if state != scenario.state:
             remedy = "make both alike: the scenario says what the plant's sensors give"
             raise BadInput("controller's state", state, f"{scenario.state}, the scenario's", remedy)
-        family = family_of(scenario, self.robot)
-        self.plan = plan_of(scenario, self.robot) if family is None else family.plan
+        self._family = family_of(scenario, self.robot)
+        self.plan = plan_of(scenario, self.robot) if self._family is None else self._family.plan
+        self._commanded = commanded_first(scenario, self._gait, self.plan, self._family)
         if self.plan is not None:
             self.controller.reset()
             self.controller.load(self.plan, scenario.tracking)
@@ -142,25 +141,28 @@ class Simulation:
         self._warm_up()
         self.ticks = max(1, round(scenario.duration / step))
         self._monitor = self._make_monitor()
-        self._disturber = Disturber(scenario.pushes, self.plant, self.columns, lambda event: self.loop.tell(event))
+        self._disturber = Disturber(scenario.pushes, self.plant, self.columns, self._tell)
         self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
-        self._reactions = Reactions(self.columns, self.controller.estimated, step, lambda event: self.loop.tell(event))
+        self._reactions = Reactions(self.columns, self.controller.estimated, step, self._tell)
         tour = scenario.tour
         self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None
         watching: list[Observer | None] = [
             *(self._monitor, self._recorder, self._reactions, self._disturber, self._tracked, self._guide)
         ]
         observers = [observer for observer in watching if observer is not None]
-        own = commands or self._guide
-        orders = commands_of(scenario, self.controller, family, step, lambda event: self.loop.tell(event), own)
+        orders = commands_of(scenario, self.controller, self._family, step, self._tell, commands or self._guide)
         backend: Backend = self.plant
         if scenario.faults:
-            backend = Injector(self.plant, scenario.faults, self.robot, lambda event: self.loop.tell(event))
+            backend = Injector(self.plant, scenario.faults, self.robot, self._tell)
         self.loop = Loop(backend, self.controller, orders, observers, getattr(backend, "withholds", None))
         self._wall, self._memory = 0.0, resident_mb()
         self.interrupted = False
+
+    def _tell(self, event: Mapping[str, Any]) -> None:
+        """Let all observers hear of something."""
+        self.loop.tell(event)
 
     def _warm_up(self) -> None:
         """Load everything compiled before time is measured, then put the robot on the ground, at rest."""
@@ -179,12 +181,7 @@ class Simulation:
 
     def _make_monitor(self) -> Monitor:
         step = self.plant.control_step
-        return Monitor(self.robot, self.controller.parameters, self.columns, step, self._commanded())
-
-    def _commanded(self) -> dict[str, Any]:
-        """What is commanded at first: gait inputs, or the speed of the plan."""
-        planned = {} if self.plan is None else {"speed": (self.plan.speed, 0.0)}
-        return self._gait.model_dump() | planned | (self.scenario.given() if self.scenario.library else {})
+        return Monitor(self.robot, self.controller.parameters, self.columns, step, self._commanded)
 
     def _make_recorder(self, file: BinaryIO) -> Recorder:
         """Recorder of the controller's telemetry and the plant's truth."""
@@ -193,7 +190,7 @@ class Simulation:
             "robot": self.robot.card.name,
             "robot_hash": self.robot.content_hash,
             "control_step": self.plant.control_step,
-            "gait": self._commanded(),
+            "gait": self._commanded,
         }
         return Recorder(file, self.columns.buffers, self.columns.names, notes, DECIMATION)
 

@@ -40,6 +40,12 @@ def family_of(scenario: Scenario, robot: Robot) -> Family | None:
     return family
 
 
+def first_inputs(family: Family, scenario: Scenario) -> dict[str, Any]:
+    """Gait inputs that a walk begins with: where its base is, and what the scenario says."""
+    found: dict[str, Any] = dict(family.coordinates(family.base))
+    return found | {"speed": (found["speed"], 0.0)} | scenario.given()
+
+
 def _changed(family: Family, inputs: Mapping[str, float], given: Mapping[str, Any]) -> dict[str, float]:
     """The place after a command; a speed of zero leaves it where it is.
 

@@ -6,13 +6,31 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from gaitsmith.control import Controller
-from gaitsmith.simulation.library_run import Steered
+from gaitsmith.robots.parameters import GaitParameters
+from gaitsmith.simulation.library_run import Steered, first_inputs
 from gaitsmith.simulation.loop import Commands, Order, Script
 from gaitsmith.simulation.scenario import Scenario
 from gaitsmith.simulation.step_policy import OnnxPolicy, PolicyCommands
 
 if TYPE_CHECKING:
     from gaitsmith.library.family import Family
+    from gaitsmith.planned import Plan
+    from gaitsmith.robots import Robot
+
+
+def first_gait(scenario: Scenario, robot: Robot) -> GaitParameters:
+    """What the gait template begins with: the card's gait, and the scenario's inputs unless a library takes them."""
+    given = {} if scenario.library else scenario.given()
+    return GaitParameters.model_validate(robot.card.gait.model_dump() | given)
+
+
+def commanded_first(
+    scenario: Scenario, gait: GaitParameters, plan: Plan | None, family: Family | None
+) -> dict[str, Any]:
+    """Gait inputs at first, as reports have them: those of the library or the plan where there is one."""
+    if family is not None:
+        return gait.model_dump() | first_inputs(family, scenario)
+    return gait.model_dump() | ({} if plan is None else {"speed": (plan.speed, 0.0)})
 
 
 def scenario_orders(scenario: Scenario) -> list[tuple[float, Order]]:

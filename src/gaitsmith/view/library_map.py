@@ -61,7 +61,7 @@ def draw_library(spec: Spec, records: Mapping[str, Record]) -> Figure:
                 axis.set_title(f"{AXES[1].replace('_', ' ')} {heights[panel]:g} m")
         axes[-1].set_xticks(range(len(speeds)), [f"{value:g}" for value in speeds])
         axes[-1].set_xlabel(_UNITS["speed"])
-        made.colorbar(image, ax=list(axes), label="J a metre")
+        made.colorbar(image, ax=list(axes), label="J a metre, N²·m·s")
         marks = [Patch(facecolor=BAD, label="× no gait: library show says why")] if failed else []
         marks += [Patch(facecolor=LIMIT, label="· not planned yet")] if missing else []
         if marks:

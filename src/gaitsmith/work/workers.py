@@ -118,9 +118,14 @@ def workers(jobs: int = 1, address: str = "") -> Iterator[Workers]:
         return
     held = {name: os.environ.get(name) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
     os.environ.update(dict.fromkeys(held, "1"))
+    others = set(multiprocessing.active_children())
     local = _Local(jobs)
     try:
         yield local
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()  # what they do is not wanted any more
+        raise
     finally:
         local.pool.shutdown(wait=True, cancel_futures=True)
         for name, value in held.items():

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
 from gaitsmith.synthesis.motions.settings import Bounds, Settings
 from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
+from gaitsmith.work.workers import workers
 
 SPEEDS = tuple(float(v) for v in np.linspace(0.05, 0.5, 8))
 PERIODS = tuple(float(t) for t in np.linspace(0.4, 1.0, 5))
@@ -93,18 +93,17 @@ def sweep(robot: str, jobs: int = 1, report: Callable[[int, int], None] | None =
     Raises:
         BadInput: the robot cannot be planned for.
     """
-    from joblib import Parallel, delayed
-
-    if not 1 <= jobs <= 256:
-        raise BadInput("--jobs", jobs, "1 to 256")
     _ = Planner(load_robot(robot)).functions  # compiles once, before the processes would all do it
-    cells: list[Cell] = []
-    tasks = (delayed(sweep_row)(robot, speed, PERIODS) for speed in SPEEDS)
-    for row in Parallel(n_jobs=jobs, return_as="generator")(tasks):
-        cells += row
-        if report is not None:
-            report(len(cells), len(SPEEDS) * len(PERIODS))
-    return cells
+    rows: dict[str, list[Cell]] = {}
+    with workers(jobs) as crew:
+        for speed in SPEEDS:
+            crew.submit(f"{speed:g}", sweep_row, robot, speed, PERIODS)
+        for _ in SPEEDS:
+            key, row = crew.done()
+            rows[key] = row
+            if report is not None:
+                report(len(rows) * len(PERIODS), len(SPEEDS) * len(PERIODS))
+    return [cell for speed in SPEEDS for cell in rows[f"{speed:g}"]]
 
 
 def sweep_document(cells: list[Cell]) -> dict[str, Any]:

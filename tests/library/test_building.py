@@ -1,0 +1,150 @@
+"""A library on disk: what a kill leaves is gone on with, what was edited is refused, and grids say what is wrong."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from tests.library.conftest import SPEC
+
+import gaitsmith
+from gaitsmith.errors import BadInput
+from gaitsmith.library.building import build, frozen, thawed
+from gaitsmith.library.family import Family
+from gaitsmith.library.folder import Folder
+from gaitsmith.library.spec import checked_spec, key_of
+from gaitsmith.robots import load_robot
+
+
+def contents(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def copied(library, target):
+    for name, content in contents(library.path).items():
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        (target / name).write_bytes(content)
+    return Folder(target)
+
+
+def test_a_build_that_is_killed_goes_on_to_the_same_content(library, tmp_path):
+    out = tmp_path / "killed"
+    script = (
+        "import json, sys\n"
+        "from gaitsmith.library.building import build\n"
+        "from gaitsmith.library.folder import Folder\n"
+        "from gaitsmith.library.spec import checked_spec\n"
+        "if __name__ == '__main__':\n"
+        "    build(checked_spec(json.loads(sys.argv[1])), Folder(sys.argv[2]))\n"
+    )
+    (tmp_path / "script.py").write_text(script)
+    source = os.path.dirname(os.path.dirname(gaitsmith.__file__))
+    environment = os.environ | {"PYTHONPATH": source}
+    command = [sys.executable, str(tmp_path / "script.py"), json.dumps(SPEC), str(out)]
+    process = subprocess.Popen(command, env=environment)
+    try:
+        end = time.monotonic() + 300.0
+        while not list(out.glob("points/*.json")) and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.02)
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.wait(60.0)
+    assert not (out / "index.json").exists()
+    with pytest.raises(BadInput, match="goes on where it stopped"):
+        Family(Folder(out), load_robot("thbip_ii"))
+    built = build(checked_spec(SPEC), Folder(out))
+    assert built.resumed >= 1
+    assert contents(out) == contents(library.path)
+
+
+@pytest.mark.parametrize("name", ["gaits/001-000-001.json", "warm/001-000-001.npz", "points/001-000-001.json"])
+def test_a_file_that_was_damaged_is_planned_again(library, tmp_path, name):
+    folder = copied(library, tmp_path)
+    (tmp_path / name).write_bytes(b"{}")
+    built = build(checked_spec(SPEC), folder)
+    assert built.resumed == len(SPEC["speed"]) * len(SPEC["period"]) - 1
+    assert contents(tmp_path) == contents(library.path)
+
+
+def test_another_grid_does_not_go_into_the_same_folder(library, tmp_path):
+    folder = copied(library, tmp_path)
+    with pytest.raises(BadInput, match="--out"):
+        build(checked_spec(SPEC | {"speed": [0.2, 0.31]}), folder)
+    assert contents(tmp_path) == contents(library.path)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "word"),
+    [
+        ("points/000-000-000.json", (b'"certified"', b'"failed"   '), "edited"),
+        ("points/000-000-000.json", (b"length", b"lenght"), "edited"),
+        ("gaits/000-000-000.json", (b"0.2", b"0.3"), "edited"),
+        ("index.json", (b"000-000-000", b"000-000-001"), "edited"),
+        ("library.json", (b"0.3", b"0.4"), "edited"),
+        ("library.json", (b'"version":1', b'"version":9'), "version"),
+        ("library.json", (b"gaitsmith-library", b"somebody-library!"), "library build wrote"),
+    ],
+)
+def test_an_edited_library_is_refused_in_one_line(library, tmp_path, name, change, word):
+    folder = copied(library, tmp_path)
+    path = tmp_path / name
+    content = path.read_bytes()
+    assert change[0] in content
+    path.write_bytes(content.replace(*change, 1))
+    with pytest.raises(BadInput, match=word) as error:
+        Family(folder, load_robot("thbip_ii"))
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["library.json", "index.json", "points/001-000-000.json", "gaits/start.json"])
+def test_a_cut_library_is_refused_in_one_line(library, tmp_path, name):
+    folder = copied(library, tmp_path)
+    content = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(content[: len(content) // 2])
+    with pytest.raises(BadInput) as error:
+        Family(folder, load_robot("thbip_ii"))
+    assert "\n" not in str(error.value)
+
+
+def test_a_library_is_for_one_robot(library):
+    with pytest.raises(BadInput, match="planned for"):
+        Family(library, load_robot("bhr_b2"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"speed": []}, "speed"),
+        ({"speed": [0.3, 0.2]}, r"speed\[1\]"),
+        ({"speed": [0.2, 9.0]}, r"speed\[1\]"),
+        ({"speed": [float("nan")]}, "speed"),
+        ({"yaw_rate": [0.1]}, "yaw_rate"),
+        ({"period": [0.0]}, "period"),
+        ({"speed": [0.01 + k * 1e-3 for k in range(150)], "period": [0.3 + k * 1e-3 for k in range(150)]}, "speed"),
+    ],
+)
+def test_a_grid_that_cannot_be_is_refused(changes, field):
+    with pytest.raises(BadInput, match=field):
+        checked_spec(SPEC | changes)
+
+
+def test_every_point_starts_from_one_nearer_to_the_middle():
+    spec = checked_spec(SPEC | {"speed": [0.1, 0.2, 0.3, 0.4, 0.5], "step_height": [0.03, 0.04, 0.05]})
+    for point in spec.points:
+        steps = 0
+        while (parent := spec.parent(point)) is not None:
+            assert sum(abs(a - b) for a, b in zip(point, parent, strict=True)) == 1
+            point, steps = parent, steps + 1
+        assert key_of(point) == "002-001-000"
+        assert steps <= 2 + 1 + 1
+
+
+def test_what_a_neighbour_starts_from_comes_back_whole(library):
+    for key in ("000-000-000", "start"):
+        content = library.warm(key)
+        assert frozen(thawed(content)) == content
+    with pytest.raises(BadInput, match="warm"):
+        thawed(content[: len(content) // 2])
