@@ -285,3 +285,11 @@ def test_what_is_fixed_to_the_sole_is_the_foot(tmp_path: Path) -> None:
     hold(plant, 150)
     assert plant.truth.body_contact[0] == 0.0
     assert plant.truth.force.sum() == pytest.approx(robot().mass * GRAVITY, rel=0.3)
+
+
+def test_a_torso_s_centre_of_mass_moves_alone():
+    plain, shifted = (Plant(robot(), torso_shift=shift)._model for shift in ((0.0, 0.0, 0.0), (0.03, -0.02, 0.01)))
+    moved = np.zeros_like(plain.body_ipos)
+    moved[robot().torso_body] = (0.03, -0.02, 0.01)
+    np.testing.assert_allclose(shifted.body_ipos - plain.body_ipos, moved, atol=1e-12)
+    np.testing.assert_array_equal(shifted.body_mass, plain.body_mass)

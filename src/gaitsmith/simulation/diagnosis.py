@@ -131,6 +131,9 @@ def _plant(scenario: Scenario) -> list[Suspect]:
         found.append(Suspect("delay", f"torque delay of {1000 * scenario.torque_delay:g} ms"))
     if abs(scenario.mass_factor - 1.0) > _SMALL_MASS or scenario.mass_spread > _SMALL_MASS:
         found.append(Suspect("mass", f"masses × {scenario.mass_factor:g} ± {100 * scenario.mass_spread:g} %"))
+    elif any(scenario.torso_shift):
+        x, y, z = scenario.torso_shift
+        found.append(Suspect("mass", f"torso's centre of mass off by {x:g}, {y:g}, {z:g} m"))
     if scenario.joint_friction > 0.0 or scenario.joint_frictions:
         found.append(Suspect("joint_friction", f"joint friction of {scenario.joint_friction:g} N·m"))
     return found

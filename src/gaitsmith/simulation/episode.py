@@ -5,11 +5,10 @@ from __future__ import annotations
 import contextlib
 import gc
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from time import perf_counter
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -35,16 +34,18 @@ from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
+from gaitsmith.simulation.strides import Strides
 from gaitsmith.simulation.summary import LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import Region, parse_terrain
 from gaitsmith.simulation.tour import Guide
-from gaitsmith.simulation.wall_time import WallTimes
+from gaitsmith.simulation.wall_time import Stopwatch, WallTimes
 
 Progress = Callable[[float], None]
 _PROGRESS_EVERY = 100  # ticks
 _COLLECT_EVERY = 10_000  # ticks
 _PLANT = {  # as the plant calls them
-    *("joint_friction", "joint_frictions", "torque_delay", "friction", "mass_factor", "mass_spread", "seed")
+    *("joint_friction", "joint_frictions", "torque_delay", "friction", "mass_factor", "mass_spread"),
+    *("torso_shift", "seed"),
 }
 
 
@@ -146,18 +147,18 @@ class Simulation:
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
         self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
         self._reactions = Reactions(self.columns, self.controller.estimated, step, self._tell)
+        self._strides = Strides(self.columns, self._monitor.prefix, scenario, step, self.robot)
         tour = scenario.tour
         self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None
-        watching: list[Observer | None] = [
-            *(self._monitor, self._recorder, self._reactions, self._disturber, self._tracked, self._guide)
-        ]
+        seeing = (self._monitor, self._recorder, self._reactions, self._strides, self._disturber, self._tracked)
+        watching: list[Observer | None] = [*seeing, self._guide]
         observers = [observer for observer in watching if observer is not None]
         orders = commands_of(scenario, self.controller, self._family, step, self._tell, commands or self._guide)
         backend: Backend = self.plant
         if scenario.faults:
             backend = Injector(self.plant, scenario.faults, self.robot, self._tell)
         self.loop = Loop(backend, self.controller, orders, observers, getattr(backend, "withholds", None))
-        self._wall, self._memory = 0.0, resident_mb()
+        self._watch, self._memory = Stopwatch(), resident_mb()
         self.interrupted = False
 
     def _tell(self, event: Mapping[str, Any]) -> None:
@@ -252,7 +253,7 @@ class Simulation:
             GaitsmithError: the physics engine stopped; the log is finished.
         """
         try:
-            with self._timed():
+            with self._watch.running():
                 while self.step():
                     tick = self.loop.tick
                     if progress is not None and tick % _PROGRESS_EVERY == 0:
@@ -289,19 +290,6 @@ class Simulation:
                 if not isinstance(self._file, Scratch):
                     self._file.close()
 
-    @contextlib.contextmanager
-    def _timed(self) -> Iterator[None]:
-        """Count the wall time, undisturbed by collections of garbage."""
-        collecting = gc.isenabled()
-        gc.disable()
-        began = perf_counter()
-        try:
-            yield
-        finally:
-            self._wall += perf_counter() - began
-            if collecting:
-                gc.enable()
-
     def log(self) -> Log | None:
         """Rows so far; None if the run is not recorded."""
         if self._recorder is None or self._file is None:
@@ -322,8 +310,9 @@ class Simulation:
             fall=self.fall,
             interrupted=self.interrupted,
             tick_us=self.wall_times.summary(),
-            realtime_factor=self.time / self._wall if self._wall > 0.0 else 0.0,
+            realtime_factor=self.time / self._watch.seconds if self._watch.seconds > 0.0 else 0.0,
             pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
+            **self._strides.report(self.fall is not None),
             warnings=tuple(self.plant.warnings),
             memory_mb=Memory(start=self._memory, end=resident_mb()),
             tracking=self._tracked.report(self.time) if self._tracked and self.scenario.gait else None,

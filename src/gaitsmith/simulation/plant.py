@@ -30,7 +30,7 @@ from gaitsmith.simulation.truth import (
     track,
 )
 from gaitsmith.simulation.world import PlantError as PlantError
-from gaitsmith.simulation.world import add_ground, build, change_masses, let_legs_pass, set_options
+from gaitsmith.simulation.world import add_ground, build, change_masses, let_legs_pass, set_options, shift_mass
 
 _MOST_WARNINGS = 100
 
@@ -48,6 +48,7 @@ class Plant:
         friction: Coulomb coefficient between sole and ground.
         mass_factor: on every mass and inertia of the robot.
         mass_spread: each body's mass and inertia differ by up to this share besides, drawn from the seed.
+        torso_shift: (3,) by which the torso's centre of mass is not where the card has it, torso axes, m.
         seed: of everything random.
         region: where boxes or a slope are needed; beyond it boxes give way to the level plane.
         props: what else lies in the world.
@@ -79,6 +80,7 @@ class Plant:
         friction: float = 0.8,
         mass_factor: float = 1.0,
         mass_spread: float = 0.0,
+        torso_shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
         seed: int = 0,
         region: Region | None = None,
         props: Sequence[Ball] = (),
@@ -113,6 +115,8 @@ class Plant:
         )
         if mass_factor != 1.0 or mass_spread != 0.0:
             change_masses(self._model, self._data, robot.model.nbody, mass_factor, mass_spread, seed)
+        if any(torso_shift):
+            shift_mass(self._model, self._data, robot.torso_body, torso_shift)
         self._sensors = sensors
         self._seed = seed
         self._noise = self._draw()

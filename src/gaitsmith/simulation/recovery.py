@@ -18,6 +18,7 @@ from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import make_scenario
+from gaitsmith.simulation.strides import Strides
 from gaitsmith.simulation.summary import LogCounts, Summary
 from gaitsmith.simulation.wall_time import WallTimes
 
@@ -74,6 +75,7 @@ def summary_of(path: Path) -> Summary:
         seen = Columns((columns, row))
         monitor = Monitor(robot, preset_parameters(robot, robot_scale(robot), scenario.preset), seen, dt, gait)
         reactions = Reactions(seen, scenario.state == "estimated", dt, lambda _: None)
+        strides = Strides(seen, monitor.prefix, scenario, dt, robot)
         waiting, rows, started = deque(reader.events), 0, [None] * len(scenario.pushes)
         for block in reader:
             waiting.extend(reader.events)
@@ -83,10 +85,12 @@ def summary_of(path: Path) -> Summary:
                 while waiting and waiting[0]["time"] < row[0]:
                     event = waiting.popleft()
                     monitor.hear(event)
+                    strides.hear(event)
                     if "push" in event and event["push"] < len(started) and not event.get("over"):
                         started[event["push"]] = event["time"]
                 monitor.observe(rows)
                 reactions.observe(rows)
+                strides.observe(rows)
                 rows += 1
     time, fall = float(row[0]), None
     if monitor.state != UPRIGHT:
@@ -105,6 +109,7 @@ def summary_of(path: Path) -> Summary:
         tick_us=WallTimes(dt).summary(),
         realtime_factor=0.0,
         pushes=tuple(started),
+        **strides.report(fall is not None),
         faults=with_unnoticed(tuple(reactions.found), scenario.faults, time),
         warnings=("the robot's files have changed since the run",) if changed else (),
         memory_mb=None,

@@ -105,7 +105,7 @@ _RELAXED: dict[str, tuple[str, _Change]] = {
     "friction": ("friction 1, no ice", _level),
     "terrain": ("level ground", _of_scenario(terrain="flat")),
     "delay": ("no delay", _of_scenario(torque_delay=0.0)),
-    "mass": ("the card's masses", _of_scenario(mass_factor=1.0, mass_spread=0.0)),
+    "mass": ("the card's masses", _of_scenario(mass_factor=1.0, mass_spread=0.0, torso_shift=(0.0, 0.0, 0.0))),
     "joint_friction": ("no joint friction", _of_scenario(joint_friction=0.0, joint_frictions={})),
     "estimated": ("the true state", _of_scenario(state="true")),
     "command": ("half the speed, the card's gait", _usual),

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _MARGIN = 3.0  # m of prepared ground around the commanded path; a tour stays within
 _SAMPLES = 17  # of a turn
 Seconds = Annotated[float, Field(ge=0.0)]
+_Shift = Annotated[float, Field(ge=-1.0, le=1.0)]
 
 
 if TYPE_CHECKING:
@@ -194,6 +195,11 @@ class Scenario(Command):
         Field(ge=0.0, le=0.5),
         About("Each body's masses differ by up to this share besides, drawn from the seed", metavar="X"),
     ] = 0.0
+
+    torso_shift: Annotated[
+        tuple[_Shift, _Shift, _Shift],
+        About("Where the plant's torso has its centre of mass, from where the card has it, torso axes", "m", "X Y Z"),
+    ] = (0.0, 0.0, 0.0)
 
     if TYPE_CHECKING:
 

@@ -89,6 +89,14 @@ class TickTimes(Frozen):
     overruns: int
 
 
+class StepTimes(Frozen):
+    """Durations of the steps taken, s."""
+
+    mean: float
+    min: float
+    max: float
+
+
 class Memory(Frozen):
     """Memory of the process that is in use, MB, when the run began and when it was summed up."""
 
@@ -189,6 +197,9 @@ class Summary(Frozen):
         tick_us: wall time of the controller's tick.
         realtime_factor: simulated over wall time, logging included.
         pushes: when each push began, s; null if it never did.
+        recovered: how long after its beginning each push was recovered from, s
+            (:class:`gaitsmith.simulation.strides.Strides`); null if it was not; empty with a planned gait.
+        step_time: of finished steps of the template; None without one.
         warnings: what the physics engine warned of.
         tracking: of a planned gait; None for the template's.
         tour: of a run of the teleoperation test; else None.
@@ -226,6 +237,8 @@ class Summary(Frozen):
     realtime_factor: float
     pushes: tuple[float | None, ...]
     warnings: tuple[str, ...]
+    recovered: tuple[float | None, ...] = ()
+    step_time: StepTimes | None = None
     tracking: Tracking | None = None
     tour: TourReport | None = None
     faults: tuple[Reaction, ...] = ()

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import math
+from collections.abc import Iterator
+from time import perf_counter
 
 import numpy as np
 import numpy.typing as npt
@@ -59,3 +63,27 @@ class WallTimes:
         below = np.cumsum(counts)
         median, late = (float(durations[np.searchsorted(below, share * below[-1])]) for share in (0.5, 0.99))
         return TickTimes(median=median, p99=late, max=1e-3 * self._longest, overruns=self._overruns)
+
+
+class Stopwatch:
+    """Wall time that was spent, collections of garbage left out.
+
+    Attributes:
+        seconds: so far.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[None]:
+        """Count the wall time, undisturbed by collections of garbage."""
+        collecting = gc.isenabled()
+        gc.disable()
+        began = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds += perf_counter() - began
+            if collecting:
+                gc.enable()

@@ -116,6 +116,12 @@ def build(
     return model, int(model.sensor_adr[n_before]), int(model.sensor_adr[n_imu])
 
 
+def shift_mass(model: mujoco.MjModel, data: mujoco.MjData, body: int, shift: tuple[float, float, float]) -> None:
+    """Move a body's centre of mass by ``shift``, body axes, m; its inertia about it stays."""
+    model.body_ipos[body] += shift
+    mujoco.mj_setConst(model, data)
+
+
 def change_masses(
     model: mujoco.MjModel, data: mujoco.MjData, bodies: int, factor: float, spread: float, seed: int
 ) -> None:

@@ -1,0 +1,54 @@
+"""Steps are timed as they were taken, and a push is recovered from once every stride that follows is calm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.simulation.standing import robot
+
+from gaitsmith.log.columns import Columns
+from gaitsmith.simulation.scenario import Scenario, make_scenario
+from gaitsmith.simulation.strides import CALM, Strides
+
+DT, STEP, HEIGHT = 1e-2, 40, 0.7
+NAMES = ["mode", "step_count", "command.height", "command.speed_x", "command.speed_y"]
+PUSHES = [{"time": 1.0, "impulse": [10.0, 0.0, 0.0]}, {"time": 4.0, "impulse": [10.0, 0.0, 0.0]}]
+LIMIT = CALM * np.sqrt(9.81 * HEIGHT)
+
+
+def _walk(speeds: list[float], pushed: dict[int, int], scenario: Scenario) -> Strides:
+    """A walk at 0.3 m/s of whole steps, each with a mean error of speed, m/s; pushes begin with some of them."""
+    told, true = np.array([1.0, 0.0, HEIGHT, 0.3, 0.0]), np.zeros(3)
+    columns = Columns((NAMES, told), ([f"true.com_velocity_{axis}" for axis in "xyz"], true))
+    strides = Strides(columns, "true.", scenario, DT, robot())
+    for count, error in enumerate([*speeds, 0.0]):
+        told[1] = count
+        for tick in range(STEP + 5 * (count == 2)):
+            true[:2] = 0.3 + error + 0.2 * np.cos(2.0 * np.pi * tick / STEP), 0.0
+            strides.observe(tick)
+            if tick == 0 and count in pushed:
+                strides.hear({"time": 0.0, "push": pushed[count]})
+    return strides
+
+
+def test_steps_are_timed():
+    times = _walk([0.0] * 6, {}, make_scenario({})).report(False)["step_time"]
+    assert (times.min, times.max) == (pytest.approx(0.40), pytest.approx(0.45))
+    assert times.mean == pytest.approx((5 * 0.40 + 0.45) / 6)
+
+
+def test_a_push_is_over_with_the_first_calm_stride_that_no_other_follows():
+    speeds = [0.0, 0.0, 0.0, 3.0 * LIMIT, 3.0 * LIMIT, -3.0 * LIMIT, 0.5 * LIMIT, 0.0, 0.0, 4.0 * LIMIT, 4.0 * LIMIT]
+    strides = _walk(speeds, {3: 0, 9: 1}, make_scenario({"pushes": PUSHES}))
+    first, second = strides.report(False)["recovered"]
+    # the stride of 3 and −3 is calm by chance, that of −3 and 0.5 is not: calm since the one that ends with step 7
+    assert first == pytest.approx(5 * 0.40, abs=0.02)
+    assert second is None
+    assert strides.report(True)["recovered"] == (first, None)
+
+
+def test_a_fall_is_no_recovery_and_a_planned_gait_has_no_strides():
+    scenario = make_scenario({"pushes": PUSHES[:1]})
+    assert _walk([0.0] * 8, {3: 0}, scenario).report(True)["recovered"] == (None,)
+    planned = _walk([0.0] * 8, {}, Scenario(gait=("made_up.json",)))
+    assert planned.report(False) == {"recovered": (), "step_time": None}
