@@ -28,6 +28,17 @@ def test_standing_falling_and_not_run_look_different():
     assert len({cell.get_facecolor() for cell in _cells(made)}) == 3
 
 
+def test_survivors_are_shaded_by_recovery_and_those_that_never_were_calm_are_marked():
+    made = draw_push_map("", [[10.0, 10.0, 10.0, 2.0]], 10.0, [[0.5, 2.4, np.nan, np.nan]])
+    assert len({cell.get_facecolor() for cell in _cells(made)}) == 4
+    assert sum(line.get_marker() == "x" for line in made.axes[0].lines) == 1
+
+
+def test_the_first_direction_may_be_off():
+    made = draw_push_map("", np.full((8, 2), 10.0), 10.0, offset=11.25)
+    assert made.axes[0].get_xticklabels()[0].get_text() == "11.25°"
+
+
 @pytest.mark.parametrize(("seconds", "limit"), [([1.0], 10.0), (np.zeros((0, 3)), 10.0), ([[1.0]], 0.0)])
 def test_what_is_not_a_grid_is_refused(seconds, limit):
     with pytest.raises(BadInput):

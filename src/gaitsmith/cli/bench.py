@@ -10,10 +10,11 @@ from typing import Any, cast
 from pydantic import create_model
 
 from gaitsmith.cli.arguments import Arguments, parse
-from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome, Table
+from gaitsmith.cli.dispatch import DONE, INTERRUPTED, Outcome, Table, Text
 from gaitsmith.documents import Frozen
 from gaitsmith.experiments.options import (
     BatteryOptions,
+    CrashOptions,
     FallOptions,
     FaultOptions,
     PushOptions,
@@ -29,6 +30,7 @@ _EXPERIMENTS: dict[str, tuple[type[Frozen], str]] = {
     "falls": (FallOptions, "run_falls"),
     "faults": (FaultOptions, "run_faults"),
     "tour": (TourOptions, "run_tour"),
+    "crash": (CrashOptions, "run_crash"),
 }
 
 
@@ -47,10 +49,15 @@ def bench(words: list[str], program: str) -> Outcome:
     with Display("loading (the first time compiles)") as display:
         advance = lambda done, total, what: display.show(what, f"{done} of {total}", done, total)  # noqa: E731
         result = experiment(options, advance)
+    text: list[Text] = []
     with uninterrupted():  # the figures belong to what is recorded already
         _draw_grids(result.document, getattr(options, "out", ""))
-    text = [Table(result.columns, result.rows), *result.notes]
-    return Outcome(INTERRUPTED if result.interrupted else DONE, result.document, text)
+        if "push_map" in result.document:
+            from gaitsmith.reports.crash_page import write_crash_page
+
+            text = [f"sheet: {write_crash_page(result.document, Path(getattr(options, 'out', '')))}"]
+    told: list[Text] = [Table(result.columns, result.rows), *result.notes, *text]
+    return Outcome(INTERRUPTED if result.interrupted else DONE, result.document, told)
 
 
 def _draw_grids(document: dict[str, Any], folder: str) -> None:
@@ -61,5 +68,7 @@ def _draw_grids(document: dict[str, Any], folder: str) -> None:
 
     for grid in document["grids"]:
         if "survival_time" in grid:
-            picture = draw_push_map(grid["name"], grid["survival_time"], grid["survival_limit"])
+            picture = draw_push_map(
+                grid["name"], grid["survival_time"], grid["survival_limit"], offset=grid["directions_deg"][0]
+            )
             save(picture, Path(folder) / f"{grid['slug']}.png")

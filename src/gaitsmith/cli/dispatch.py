@@ -108,6 +108,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
         "gaitsmith.cli.bench", "bench", "falls of known cause, and whether the report names it"
     ),
     ("bench", "faults"): Command("gaitsmith.cli.bench", "bench", "sensors, motors and ticks that fail"),
+    ("bench", "crash"): Command("gaitsmith.cli.bench", "bench", "what fells a controller, on one sheet"),
     ("bench", "tour"): Command("gaitsmith.cli.bench", "bench", "the public teleoperation test: waypoints and punches"),
 }
 

@@ -11,10 +11,12 @@ from gaitsmith.lazy import lazily
 
 if TYPE_CHECKING:
     from gaitsmith.experiments.battery import run_battery as run_battery
+    from gaitsmith.experiments.crash import run_crash as run_crash
     from gaitsmith.experiments.episodes import run_all as run_all
     from gaitsmith.experiments.falls import run_falls as run_falls
     from gaitsmith.experiments.faults import run_faults as run_faults
     from gaitsmith.experiments.options import BatteryOptions as BatteryOptions
+    from gaitsmith.experiments.options import CrashOptions as CrashOptions
     from gaitsmith.experiments.options import FallOptions as FallOptions
     from gaitsmith.experiments.options import FaultOptions as FaultOptions
     from gaitsmith.experiments.options import PushOptions as PushOptions

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +28,7 @@ from gaitsmith.simulation.faults import (
 from gaitsmith.simulation.reactions import UNNOTICED
 
 _BEFORE, _AFTER = 6.0, 9.0  # of the period: walked before the first instant; watched after the fault
+_NOTHING: Mapping[str, Any] = {}
 _UNREAD = {
     "true": ("accelerometer", "gyro"),
     "estimated": ("base_position", "base_velocity", ".rate"),
@@ -43,14 +45,19 @@ class Cell:
     scenarios: tuple[Scenario, ...]
 
 
-def run_faults(options: FaultOptions, progress: Progress = silent) -> Result:
+def run_faults(options: FaultOptions, progress: Progress = silent, fields: Mapping[str, Any] = _NOTHING) -> Result:
     """Run the matrix; ``faults.json`` is written to the folder of results too.
+
+    Args:
+        options: what is to fail.
+        progress: told after every episode.
+        fields: of the scenario, put over every episode's.
 
     Raises:
         BadInput: a component or a type that the robot does not have, or the robot or the folder cannot be used.
     """
     robot = load_robot(options.robot)
-    store, cells = Store(options.out), _cells(options, robot)
+    store, cells = Store(options.out), _cells(options, robot, fields)
     wanted = [scenario for cell in cells for scenario in cell.scenarios]
     episodes = run_all(wanted, robot, store, jobs=options.jobs, progress=progress, what="failing")
     found = [(cell, [s for one in cell.scenarios if (s := episodes.found.get(one))]) for cell in cells]
@@ -70,7 +77,7 @@ def run_faults(options: FaultOptions, progress: Progress = silent) -> Result:
     return result
 
 
-def _cells(options: FaultOptions, robot: Robot) -> list[Cell]:
+def _cells(options: FaultOptions, robot: Robot, fields: Mapping[str, Any]) -> list[Cell]:
     """All cells that were asked for; a sensor that the controller does not read in this state is left out."""
     unread = _UNREAD[options.state]
     every = [name for name in sensors(robot) if not name.endswith(unread)]
@@ -92,13 +99,21 @@ def _cells(options: FaultOptions, robot: Robot) -> list[Cell]:
                     )
                 continue
             for duration in options.duration:
-                cells.append(_cell(options, name, kind, duration, gait.period, speed))
+                cells.append(_cell(options, name, kind, duration, gait.period, speed, fields))
     if not cells:
         raise BadInput("--type", ", ".join(options.type), "ways in which these components can fail")
     return cells
 
 
-def _cell(options: FaultOptions, name: str, kind: Any, duration: float, period: float, speed: float) -> Cell:
+def _cell(
+    options: FaultOptions,
+    name: str,
+    kind: Any,
+    duration: float,
+    period: float,
+    speed: float,
+    fields: Mapping[str, Any],
+) -> Cell:
     """Its episodes."""
     scenarios = []
     for k in range(options.instants):
@@ -111,6 +126,7 @@ def _cell(options: FaultOptions, name: str, kind: Any, duration: float, period: 
                 speed=(speed, 0.0),
                 duration=round(begin + duration + _AFTER * period, 3),
                 faults=(Fault(component=name, type=kind, time=begin, duration=duration),),
+                **fields,
             )
         )
     return Cell(name, kind, duration, tuple(scenarios))

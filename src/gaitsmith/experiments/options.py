@@ -107,6 +107,43 @@ class FallOptions(Frozen):
     out: _Folder = "runs/bench"
 
 
+class CrashOptions(Frozen):
+    """Find out what fells a controller: pushes, random walks, faults, ground; one sheet that anybody can make again.
+
+    Sizes are shares of the robot's mass, height and gravity, so that robots can be compared. Parts may be named;
+    otherwise all are run.
+    """
+
+    robot: RobotName = "bhr_b2"
+    preset: Preset = "default"
+    controller: Annotated[
+        str, About("What walks: the package's own, or with a policy that sets gait inputs", metavar="ours|onnx:FILE")
+    ] = "ours"
+    only: Annotated[
+        tuple[Literal["pushes", "weakest", "episodes", "faults", "terrain"], ...],
+        About("Run these parts only", metavar="PART"),
+    ] = ()
+    runs: Annotated[int, Field(ge=1, le=1_000_000), About("Random walks at most", metavar="N")] = 100
+    target: Annotated[
+        float | None,
+        Field(gt=0.0, lt=1.0),
+        About("Stop the random walks once the share that stands is surely above or below it", metavar="SHARE"),
+    ] = None
+    seed: Annotated[int, Field(ge=0, lt=2**31), About("Of the first random walk", metavar="N")] = 0
+    strength: Annotated[
+        float, Field(gt=0.0, le=2.0), About("Impulse of a push of 0.1 s over mass times √(gH)", metavar="X")
+    ] = 0.15
+    directions: Annotated[int, Field(ge=1, le=360), About("Directions of pushes", metavar="N")] = 8
+    phases: Annotated[int, Field(ge=1, le=360), About("Phases of the stride at which they begin", metavar="N")] = 12
+    instants: Annotated[int, Field(ge=1, le=64), About("Instants of a stride at which faults begin", metavar="N")] = 1
+    duration: Annotated[
+        tuple[Annotated[float, Field(gt=0.0, le=60.0)], ...], About("How long faults last", "s", "S", absent="0.1")
+    ] = (0.1,)
+    tour: Annotated[int, Field(ge=0, le=10_000), About("Run ids of the public teleoperation test too", metavar="N")] = 0
+    jobs: Jobs = 1
+    out: _Folder = "runs/crash"
+
+
 class TourOptions(Frozen):
     """Run the public teleoperation test of walking: 90 s, 18 waypoints, 18 punches.
 

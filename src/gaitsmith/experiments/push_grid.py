@@ -125,6 +125,12 @@ def survived(summary: Summary) -> bool:
     return survival_time(summary) >= SURVIVAL - 1e-9
 
 
+def recovery_time(summary: Summary) -> float | None:
+    """How long after its beginning the push was recovered from, s; None if it was not, or if the legs touched."""
+    recovered = summary.recovered[0] if survived(summary) and summary.recovered else None
+    return None if summary.leg_contacts else recovered
+
+
 @dataclass(frozen=True)
 class GridOutcome:
     """What became of a grid; cells that were not run are absent.
@@ -197,6 +203,7 @@ class GridOutcome:
             "min_separation": closest[0] if closest else None,
             "survival_limit": SURVIVAL,
             "survival_time": [[None if s is None else survival_time(s) for s in row] for row in rows],
+            "recovery_time": [[None if s is None else recovery_time(s) for s in row] for row in rows],
             "separation": [[None if s is None else s.min_foot_separation for s in row] for row in rows],
             "first_limits": dict(self.fall_limits().most_common()),
             "falls": falls,

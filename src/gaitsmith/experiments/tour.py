@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from gaitsmith.simulation import Scenario, Summary
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.tour import LENGTH, SEGMENT, punches
 
+_NOTHING: Mapping[str, Any] = {}
 _STAND = 3.0  # s before the walk
 _FORWARD, _LATERAL, _TURNING = 0.17, 0.077, 0.17  # commanded at most: of √(g leg), the same, and of √(g / leg)
 _BENT, _APART = 0.77, 1.3  # height of the leg's length, and width of the card's: long steps that do not cross
@@ -72,8 +73,13 @@ class _Run(NamedTuple):
         return [(size, self.summary.fell and k == len(landed) - 1) for k, size in enumerate(landed)]
 
 
-def run_tour(options: TourOptions, progress: Progress = silent) -> Result:
+def run_tour(options: TourOptions, progress: Progress = silent, fields: Mapping[str, Any] = _NOTHING) -> Result:
     """Run the test; see :mod:`gaitsmith.simulation.tour`. ``tour.json`` is written to the folder of results too.
+
+    Args:
+        options: what is to be run.
+        progress: told after every episode.
+        fields: of the scenario, put over every run's.
 
     Raises:
         BadInput: an option, the robot or the folder cannot be used.
@@ -81,7 +87,7 @@ def run_tour(options: TourOptions, progress: Progress = silent) -> Result:
     loaded, first, runs = load_robot(options.robot), options.first, options.runs
     robot, preset, force = options.robot, options.preset, options.force
     gait = _gait(options, loaded)
-    base = {"robot": robot, "preset": preset, "duration": _STAND + LENGTH, "rest_before": _STAND, **gait}
+    base = {"robot": robot, "preset": preset, "duration": _STAND + LENGTH, "rest_before": _STAND, **gait, **fields}
     scenarios = {run_id: _scenario(base, loaded, run_id, force) for run_id in range(first, first + runs)}
     store = Store(options.out)
     episodes = run_all(scenarios.values(), loaded, store, jobs=options.jobs, progress=progress, what="touring")

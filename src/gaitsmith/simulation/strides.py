@@ -27,13 +27,13 @@ class Strides:
     Args:
         columns: telemetry of the controller; what is true, or believed, of the robot.
         prefix: of the columns that tell where the robot is.
-        scenario: how many pushes there are; steps of a planned gait are not watched.
+        scenario: how many pushes there are; steps of planned gaits are not watched.
         dt: s from one observation to the next.
         robot: whose world has gravity.
     """
 
     def __init__(self, columns: Columns, prefix: str, scenario: Scenario, dt: float, robot: Robot) -> None:
-        self._dt, self._ticks, self._planned = dt, 0, bool(scenario.gait)
+        self._dt, self._ticks, self._planned = dt, 0, bool(scenario.gait or scenario.library)
         self._gravity = -float(robot.model.opt.gravity[2])
         self._views = [columns.block([name]) for name in _READ]
         self._velocity = columns.block([f"{prefix}com_velocity_{axis}" for axis in "xy"])
