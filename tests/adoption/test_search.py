@@ -63,7 +63,7 @@ def test_the_same_seed_tries_the_same(monkeypatch: pytest.MonkeyPatch, tmp_path:
 def test_candidates_keep_the_cards_limits_and_are_presets_of_a_card() -> None:
     defaults = default_parameters(robot_scale(ROBOT))
     for factor in (0.01, 1.0, 100.0):
-        names = (*searching._GAIT, *searching._GAINS)
+        names = (*searching._GAIT, *searching.GAINS)
         candidate = Candidate(dict.fromkeys(names, factor))
         for name, value in candidate.gait(ROBOT).items():
             low, high = getattr(ROBOT.card.gait_limits, name)

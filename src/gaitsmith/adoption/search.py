@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -18,10 +18,12 @@ from gaitsmith.experiments.store import Store
 from gaitsmith.robots import Robot
 from gaitsmith.simulation import Summary
 
-_ROUND = 8  # candidates tried before the best one is looked at
-_NEAR = 0.35  # of a factor's range: how far half of the later candidates are from the best
+ROUND = 8
+"""Candidates tried before the best one is looked at."""
+NEAR = 0.35
+"""How far later candidates are from the best one, of a factor's range."""
 _GAIT = {"period": (0.7, 1.3), "height": (0.9, 1.03), "lift": (0.7, 1.8), "width": (0.8, 1.4)}
-_GAINS = {
+GAINS = {
     "cop.gain": (0.4, 1.5),
     "attitude": (0.5, 2.0),
     "tracking": (0.6, 2.5),
@@ -51,7 +53,9 @@ class Candidate:
     def gains(self, defaults: dict[str, Any]) -> dict[str, dict[str, Any]]:
         """The presets' groups with what differs from the defaults."""
         found: dict[str, dict[str, Any]] = {}
-        for name in _GAINS:
+        for name in self.factors:
+            if name in _GAIT:
+                continue
             group, _, entry = name.partition(".")
             for key in [entry] if entry else defaults[group]:
                 factor = self.factors[name]
@@ -101,7 +105,9 @@ def search(
     best: tuple[float, Candidate, Summary] | None = None
     tried, began = 0, perf_counter()
     while tried < most:
-        made = [_drawn(random, best[1] if best and k % 2 else None) for k in range(min(_ROUND, most - tried))]
+        made = [
+            drawn(random, _GAIT | GAINS, best[1] if best and k % 2 else None) for k in range(min(ROUND, most - tried))
+        ]
         named = {f"search_{tried + k}": candidate for k, candidate in enumerate(made)}
         path, staged = stage({name: candidate.gains(defaults) for name, candidate in named.items()})
         runs = {
@@ -139,14 +145,19 @@ def score(summary: Summary) -> float:
     return 2.0 - min(0.5, 5.0 * off) - min(0.5, heading / 90.0)
 
 
-def _drawn(random: np.random.Generator, near: Candidate | None) -> Candidate:
+def drawn(
+    random: np.random.Generator,
+    ranges: Mapping[str, tuple[float, float]],
+    near: Candidate | None = None,
+    width: float = NEAR,
+) -> Candidate:
     """A candidate, anywhere in the ranges or near another one; factors are uniform in their logarithms."""
     factors = {}
-    for name, (low, high) in (_GAIT | _GAINS).items():
+    for name, (low, high) in ranges.items():
         span, middle = math.log(high / low), random.uniform()
         at = math.log(low) + span * middle
         if near is not None:
-            at = math.log(near.factors[name]) + _NEAR * span * (middle - 0.5)
+            at = math.log(near.factors[name]) + width * span * (middle - 0.5)
         factors[name] = math.exp(min(max(at, math.log(low)), math.log(high)))
     return Candidate(factors)
 

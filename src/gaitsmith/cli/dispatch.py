@@ -88,6 +88,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("video",): Command("gaitsmith.cli.show", "video", "a run as a film"),
     ("why",): Command("gaitsmith.cli.why", "why", "why a robot fell: the run again, without what may have caused it"),
     ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
+    ("tune",): Command("gaitsmith.cli.tune", "tune", "gains found by search, and what they gain"),
     ("live",): Command("gaitsmith.cli.live", "live", "a page to watch and steer a walk, or to replay a recorded run"),
     ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
     ("library", "build"): Command("gaitsmith.cli.library", "build", "a grid of gaits planned into a folder"),

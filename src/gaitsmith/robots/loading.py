@@ -46,7 +46,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
     Raises:
         BadInput: unknown name, a card or model that cannot be used; names the entry, its value and what is valid.
     """
-    path = _card_path(name_or_path)
+    path = card_path(name_or_path)
     card, content = read_card(path)
     return build_robot(card, content, CardFolder(path.parent.resolve(), path.name))
 
@@ -121,7 +121,12 @@ def build_robot(card: CardText, content: bytes, folder: CardFolder) -> Robot:
     )
 
 
-def _card_path(name_or_path: str | Path) -> Path:
+def card_path(name_or_path: str | Path) -> Path:
+    """The card that a name or a path means, as :func:`load_robot` takes it.
+
+    Raises:
+        BadInput: there is none.
+    """
     text = str(name_or_path)
     if isinstance(name_or_path, str) and text.replace("-", "_") in robot_names():
         return SHIPPED / text.replace("-", "_") / CARD_NAME
