@@ -20,6 +20,7 @@ from gaitsmith.experiments.store import Store
 from gaitsmith.experiments.tour import run_tour
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario
+from gaitsmith.simulation.remote import identity_of
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.step_policy import OnnxPolicy
 
@@ -195,7 +196,10 @@ def controller_fields(options: CrashOptions, robot: Robot) -> Mapping[str, Any]:
     if kind == "onnx" and path:
         OnnxPolicy(path, robot)
         return {"policy": str(Path(path).resolve())}
-    raise BadInput("--controller", options.controller, "ours, or onnx:FILE")
+    if kind == "socket" and path:
+        identity_of(options.controller)
+        return {"controller": options.controller}
+    raise BadInput("--controller", options.controller, "ours, onnx:FILE or socket:PORT")
 
 
 def run_crash(options: CrashOptions, progress: Progress = silent) -> Result:

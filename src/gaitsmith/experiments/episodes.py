@@ -17,6 +17,7 @@ from gaitsmith.experiments.store import Store
 from gaitsmith.files import read_bounded
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation import Scenario, Simulation, Summary, run_episode
+from gaitsmith.simulation.remote import identity_of
 from gaitsmith.simulation.scenario import check_scenario
 from gaitsmith.work.workers import workers
 
@@ -49,6 +50,8 @@ def episode_key(loop: str, scenario: Scenario) -> str:
         fields["library"] = hashlib.sha256(
             read_bounded(Path(scenario.library) / "index.json", _LARGEST_GAIT)
         ).hexdigest()
+    if scenario.controller:
+        fields["controller"] = identity_of(scenario.controller)
     if scenario.policy:
         fields["policy"] = hashlib.sha256(read_bounded(scenario.policy, _LARGEST_GAIT)).hexdigest()
     text = json.dumps(fields, sort_keys=True, allow_nan=False)

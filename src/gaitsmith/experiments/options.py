@@ -117,7 +117,11 @@ class CrashOptions(Frozen):
     robot: RobotName = "bhr_b2"
     preset: Preset = "default"
     controller: Annotated[
-        str, About("What walks: the package's own, or with a policy that sets gait inputs", metavar="ours|onnx:FILE")
+        str,
+        About(
+            "What walks: the package's own controller, that with a policy, or one in another process",
+            metavar="ours|onnx:FILE|socket:PORT",
+        ),
     ] = "ours"
     only: Annotated[
         tuple[Literal["pushes", "weakest", "episodes", "faults", "terrain"], ...],

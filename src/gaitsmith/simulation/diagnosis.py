@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _BEFORE = 0.6  # s before the first limit in which a disturbance counts as its cause
 _AFTER_PUSH = 3.0  # s for which a push may be felt
+_NOT_READ = ("balance", "controller")  # of what reactions are about
 _NEAR = 0.4  # m before a slope at which a foot may already stand on it
 _USUAL_FRICTION, _SMALL_DELAY, _SMALL_MASS = 0.6, 1.5e-3, 0.03
 OWN_LIMITS = {
@@ -61,7 +62,8 @@ def suspects(
         fell: s.
     """
     onset = min([when for _, when in hits], default=fell)
-    found = [*_failed(scenario, onset, fell), *_pushed(scenario, pushes, onset, fell)]
+    stopped = [Suspect("controller", f"the controller {e.type}") for e in reactions if e.component == "controller"]
+    found = [*stopped, *_failed(scenario, onset, fell), *_pushed(scenario, pushes, onset, fell)]
     slips = [(name, when) for name, when in hits if "slipping" in name]
     slippery = scenario.friction < _USUAL_FRICTION or scenario.terrain.startswith("ice")
     if slips and slippery:
@@ -90,7 +92,7 @@ def _failed(scenario: Scenario, onset: float, fell: float) -> list[Suspect]:
 
 def _noticed(scenario: Scenario, reactions: Sequence[Reaction], onset: float, fell: float) -> list[Suspect]:
     """What the controller noticed by itself, if nothing was made to fail: a cause, or how something else shows."""
-    seen = [e for e in reactions if onset - _BEFORE <= e.time <= fell and e.component != "balance"]
+    seen = [e for e in reactions if onset - _BEFORE <= e.time <= fell and e.component not in _NOT_READ]
     if scenario.faults or not seen:
         return []
     return [Suspect("reading", f"{seen[0].component}, {seen[0].type} at {seen[0].time:.3f} s")]

@@ -28,7 +28,7 @@ from gaitsmith.simulation.library_run import family_of
 from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
-from gaitsmith.simulation.orders import commanded_first, commands_of, first_gait
+from gaitsmith.simulation.orders import commanded_first, commands_of, controller_of, first_gait
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
@@ -110,8 +110,8 @@ class Simulation:
             check_soles(self.robot)
         check_scenario(scenario, self.robot)
         self._gait = first_gait(scenario, self.robot)
-        self.controller = controller or Controller(
-            self.robot, preset=scenario.preset, state=scenario.state, gait=self._gait
+        self.controller = controller or controller_of(
+            scenario, self.robot, self._gait, lambda why: self._reactions.add("controller", why, "joints braked")
         )
         state = "estimated" if self.controller.estimated else "true"
         if state != scenario.state:

@@ -44,6 +44,23 @@ def scenario_orders(scenario: Scenario) -> list[tuple[float, Order]]:
     return orders
 
 
+def controller_of(scenario: Scenario, robot: Robot, gait: GaitParameters, stopped: Callable[[str], None]) -> Controller:
+    """Who controls the robot: the package's own controller, or another process.
+
+    Args:
+        scenario: names the preset, what is measured, and the process.
+        robot: that is controlled.
+        gait: first gait.
+        stopped: told why, when another process is not asked any more.
+    """
+    if scenario.controller:
+        from gaitsmith.simulation.remote import RemoteController, port_of
+
+        port = port_of(scenario.controller)
+        return RemoteController(robot, scenario.preset, scenario.state, gait, port, stopped)
+    return Controller(robot, preset=scenario.preset, state=scenario.state, gait=gait)
+
+
 def commands_of(
     scenario: Scenario,
     controller: Controller,

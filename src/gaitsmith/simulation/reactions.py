@@ -78,9 +78,9 @@ class Reactions:
 
     def observe(self, tick: int) -> bool:
         """Look for what has changed; never ends the run."""
+        self._now = tick * self._dt
         counts = (self._changes[0], self._lost[0], self._missed[0])
         if self._names and counts != self._counted:
-            self._now = tick * self._dt
             self._note(tuple(map(float, counts)))
         return False
 
@@ -92,17 +92,18 @@ class Reactions:
         for c in np.flatnonzero(self._what != self._known):
             if self._what[c] != GOOD and self._known[c] == GOOD:
                 name = self._names[c]
-                self._add(name, WHAT[int(self._what[c])], stand_in(name, self._estimated))
+                self.add(name, WHAT[int(self._what[c])], stand_in(name, self._estimated))
         self._known[:] = self._what
         lost = int(counts[1])
         if counts[1] != before[1] and lost >= 0:
             name = (*self._names, "ticks", "balance")[lost]
             kind = WHAT[int(self._what[lost])] if lost < len(self._names) else _BEYOND[name]
-            self._add(name, kind, BRAKED if name != "balance" else "joints braked")
+            self.add(name, kind, BRAKED if name != "balance" else "joints braked")
         elif counts[2] != before[2] and not (self.found and self.found[-1].component == "ticks"):
-            self._add("ticks", "late", "the last torque held, the step's clock advanced")
+            self.add("ticks", "late", "the last torque held, the step's clock advanced")
 
-    def _add(self, component: str, kind: str, reaction: str) -> None:
+    def add(self, component: str, kind: str, reaction: str) -> None:
+        """Take note of something, and tell of it."""
         if len(self.found) >= _MOST:
             self.dropped += 1
             return

@@ -9,6 +9,7 @@ from typing import Any
 from gaitsmith.control import Controller
 from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.documents import Frozen
+from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.robots.presets import ControlParameters
@@ -129,6 +130,8 @@ def why(
         progress: told what is tried.
         robot: instead of loading the scenario's.
     """
+    if scenario.controller:
+        raise BadInput("controller", scenario.controller, "a run of the package's own controller", "its report is all")
     robot = robot or load_robot(scenario.robot)
     progress("the run as it was")
     run = Simulation(scenario, robot=robot, record=False)

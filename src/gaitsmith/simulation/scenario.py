@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, create_model, field_validator, model_validator
 
 from gaitsmith.documents import About, Frozen, Name, about, checked, parse_toml, read_toml
@@ -16,14 +15,13 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.faults import FORM, Fault, members
+from gaitsmith.simulation.path import Part, region_around
 from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import Region, parse_terrain
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
-_MARGIN = 3.0  # m of prepared ground around the commanded path; a tour stays within
-_SAMPLES = 17  # of a turn
 Seconds = Annotated[float, Field(ge=0.0)]
 _Shift = Annotated[float, Field(ge=-1.0, le=1.0)]
 
@@ -155,6 +153,11 @@ class Scenario(Command):
         Field(max_length=1000),
         About("ONNX file whose policy sets gait inputs at every touchdown", metavar="FILE"),
     ] = ""
+    controller: Annotated[
+        str,
+        Field(pattern=r"^(socket:[1-9]\d{0,4})?$"),
+        About("Controller in another process that listens on a port of this machine", metavar="socket:PORT"),
+    ] = ""
     changes: tuple[Change, ...] = ()
     tour: Tour | None = None
     pushes: Annotated[
@@ -225,6 +228,8 @@ class Scenario(Command):
         if self.library and (self.gait or self.policy):
             given = "gait" if self.gait else "policy"
             raise BadInput(given, getattr(self, given), "nothing with a library", "leave one of them out")
+        if self.controller and (others := [name for name in ("gait", "library", "policy") if getattr(self, name)]):
+            raise BadInput(others[0], getattr(self, others[0]), "nothing with a controller of its own", "leave one out")
         last = -math.inf
         for k, change in enumerate(self.changes):
             if change.time <= last:
@@ -265,29 +270,14 @@ class Scenario(Command):
 
     def region(self) -> Region:
         """Ground around the path that the commands describe, if nothing else moves the robot."""
-        place, heading = np.zeros(2), 0.0
-        lowest, highest = np.zeros(2), np.zeros(2)
+        parts: list[Part] = []
         speed, yaw_rate, now = self.speed or (0.0, 0.0), self.yaw_rate or 0.0, self.walk_from
         for change in (*self.changes, Change(time=self.walk_until, speed=(0.0, 0.0))):
             until = min(max(change.time, now), self.walk_until)
-            turned = yaw_rate * (until - now)
-            for angle in np.linspace(0.0, math.copysign(min(abs(turned), 2.0 * math.pi), turned), _SAMPLES)[1:]:
-                length = until - now if yaw_rate == 0.0 else angle / yaw_rate
-                seen = place + length * _turned(speed, heading, angle)
-                lowest, highest = np.minimum(lowest, seen), np.maximum(highest, seen)
-            place = place + (until - now) * _turned(speed, heading, turned)
-            heading += turned
+            parts.append((until - now, speed, yaw_rate))
             speed = speed if change.speed is None else change.speed
             yaw_rate, now = yaw_rate if change.yaw_rate is None else change.yaw_rate, until
-        (x, y), (far_x, far_y) = lowest.tolist(), highest.tolist()
-        return Region((x - _MARGIN, far_x + _MARGIN), (y - _MARGIN / 2, far_y + _MARGIN / 2))
-
-
-def _turned(speed: tuple[float, float], heading: float, angle: float) -> NDArray[np.float64]:
-    """(2,) mean velocity in the world while the heading turns evenly by an angle, rad, and the speed stays, m/s."""
-    chord = float(np.sinc(angle / (2.0 * math.pi)))
-    c, s = math.cos(heading + angle / 2.0), math.sin(heading + angle / 2.0)
-    return chord * np.array([c * speed[0] - s * speed[1], s * speed[0] + c * speed[1]])
+        return region_around(parts)
 
 
 def make_scenario(fields: dict[str, Any], source: str = "") -> Scenario:
