@@ -16,10 +16,14 @@ from gaitsmith.reports.crash_page import command, write_crash_page
 SMALL = {"only": ("pushes", "episodes"), "runs": 1, "directions": 2, "phases": 1, "strength": 0.3}
 
 
+class _FromTheCommandLine(CrashOptions):
+    json_: bool = True
+
+
 @pytest.fixture(scope="module")
 def crashed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("crash")
-    return folder, run_crash(CrashOptions(**SMALL, out=str(folder)))
+    return folder, run_crash(_FromTheCommandLine(**SMALL, out=str(folder)))
 
 
 def test_the_document_keeps_the_contract(crashed):
@@ -47,6 +51,7 @@ def test_the_same_again_from_the_store_and_a_page_that_says_how(crashed):
     assert result.document["identity"] in text
     words = shlex.split(command(result.document))
     assert tuple(words[1:3]) in COMMANDS
+    assert {word[2:] for word in words[3::2]} <= CrashOptions.model_fields.keys()
     given = dict(zip(words[3::2], words[4::2], strict=True))
     assert (given["--strength"], given["--runs"], given["--only"]) == ("0.3", "1", "episodes")
 

@@ -41,7 +41,8 @@ class _Crash:
         self.robot = load_robot(options.robot)
         if options.preset not in self.robot.card.presets:
             raise BadInput("--preset", options.preset, "one of " + ", ".join(sorted(self.robot.card.presets)))
-        self.fields = {"robot": options.robot, "preset": options.preset, **controller_fields(options, self.robot)}
+        self.controller, fields = tested(options, self.robot)
+        self.fields = {"robot": options.robot, "preset": options.preset, **fields}
         self.store = Store(options.out)
         self.unit = momentum_unit(self.robot, self.robot.card.gait.height)
         walk = walking(self.fields, self.robot)
@@ -74,6 +75,9 @@ class _Crash:
             "largest": None,
         }
         self.found["push_map"] = outcome.document()
+        unpushed = sum(summary.pushes[:1] in ((), (None,)) for summary in found.values())
+        if unpushed:
+            self.notes.append(f"{unpushed} pushes never began: it had fallen before, or its controller tells no steps")
         return episodes.interrupted
 
     def weakest(self) -> bool:
@@ -184,21 +188,20 @@ class _Crash:
         return grounds
 
 
-def controller_fields(options: CrashOptions, robot: Robot) -> Mapping[str, Any]:
-    """Scenario fields of the controller that is tested.
+def tested(options: CrashOptions, robot: Robot) -> tuple[str, Mapping[str, Any]]:
+    """Name of the controller that is tested, and the scenario fields that it needs.
 
     Raises:
         BadInput: no such controller, or a policy for other joints, numbers or ranges.
     """
     kind, _, path = options.controller.partition(":")
     if options.controller == "ours":
-        return {}
+        return "the package's own controller", {}
     if kind == "onnx" and path:
         OnnxPolicy(path, robot)
-        return {"policy": str(Path(path).resolve())}
+        return f"the package's own controller with the policy {Path(path).name}", {"policy": str(Path(path).resolve())}
     if kind == "socket" and path:
-        identity_of(options.controller)
-        return {"controller": options.controller}
+        return identity_of(options.controller), {"controller": options.controller}
     raise BadInput("--controller", options.controller, "ours, onnx:FILE or socket:PORT")
 
 
@@ -218,8 +221,8 @@ def run_crash(options: CrashOptions, progress: Progress = silent) -> Result:
     document = {
         "robot": crash.robot.card.name,
         "preset": options.preset,
-        "controller": options.controller,
-        "asked": options.model_dump(mode="json", exclude={"jobs", "out"}),
+        "controller": crash.controller,
+        "asked": options.model_dump(mode="json", include=set(CrashOptions.model_fields) - {"jobs", "out"}),
         "identity": loop_identity(crash.robot),
         "momentum_unit": round(crash.unit, 4),
         **crash.found,

@@ -43,8 +43,7 @@ def crash_page(document: Mapping[str, Any], picture: Figure | None = None) -> st
         document: of :func:`gaitsmith.experiments.run_crash`.
         picture: the map of pushes.
     """
-    walker = {"ours": "the package's own controller"}.get(document["controller"], document["controller"])
-    page = Page(f"Crash test of {document['robot']}", f"{walker}, preset {document['preset']}")
+    page = Page(f"Crash test of {document['robot']}", f"{document['controller']}, preset {document['preset']}")
     page.table(("part", "outcome"), rows_of(document), left=(0, 1))
     for note in document["notes"]:
         page.text(f"Note: {note}.", "bad")
