@@ -14,6 +14,7 @@ from gaitsmith.splines.polynomial import polynomial as polynomial
 from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State
 
 Array = npt.NDArray[np.float64]
+_BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded
 CHANNELS = 12  # left force, left moment, right force, right moment
 _PLACES = ("ankle", "sole", "toe", "heel")  # what has a place in the world
 
@@ -112,7 +113,7 @@ class Gait:
         """Pieces with the times that fall into them and their normalised time."""
         pieces = self.pieces[phase]
         starts = np.array([piece.start for piece in pieces])
-        index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
+        index = np.clip(np.searchsorted(starts - _BORDER, times, side="right") - 1, 0, len(pieces) - 1)
         found = []
         for k, piece in enumerate(pieces):
             mask = np.flatnonzero(index == k).astype(np.int64)

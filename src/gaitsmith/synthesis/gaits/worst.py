@@ -30,3 +30,6 @@ class Worst:
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
         return dict(vars(self))
+
+    def __str__(self) -> str:
+        return f"{self.constraint} {self.value:.4g} of {self.limit:.4g} {self.unit} in {self.phase}"

@@ -181,6 +181,12 @@ class Motion:
         """Steps that a cyclic motion takes."""
         return 1 if self.mirrored else 2
 
+    @property
+    def transfer(self) -> float | None:
+        """Duration of a walk's double support, s; None of a motion that is no walk."""
+        numbers = self.parameters
+        return numbers["period"] * numbers["double_support"] if {"period", "double_support"} <= set(numbers) else None
+
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""
         return not self.phases[phase].double and (phase == 0 or self.phases[phase - 1].double)

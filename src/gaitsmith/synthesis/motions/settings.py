@@ -75,7 +75,7 @@ class Settings(Parameters):
         single_nodes: collocation points in a section of single support, ends included.
         double_nodes: the same in double support.
         refinements: how often points may be added where a bound is violated between the points.
-        dense: points a phase on which every bound is checked.
+        dense: points a phase on which every bound is checked; every second one is one of the 200 of ``verify``.
         tolerance: of the solver, on scaled rows.
         max_iterations: of all solves of a motion together.
     """
@@ -88,7 +88,7 @@ class Settings(Parameters):
     single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
     double_nodes: Annotated[int, Field(ge=3, le=20)] = 4
     refinements: Annotated[int, Field(ge=0, le=30)] = 12
-    dense: Annotated[int, Field(ge=50, le=5000)] = 400
+    dense: Annotated[int, Field(ge=50, le=5000)] = 399
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=100_000)] = 1000
 
@@ -99,7 +99,7 @@ class Settings(Parameters):
         largest rate goes through 200 and 600 N·m/s at those of the paper's two gaits, 0.30 and 0.15 s for legs of LEG;
         slower ones have the former, other motions the latter.
         """
-        size, given = biped.height / LEG, self.bounds.model_fields_set
+        size, given = biped.height / LEG, set(self.bounds.model_fields_set)
         lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}
         if "torque_rate" not in given:
             faster = 1.0 if transfer is None else max(_TRANSFER * size**0.5 / transfer, 1.0) ** _FASTER / 3.0
@@ -111,6 +111,9 @@ class Settings(Parameters):
         for name, most in (("zmp_margin", _NARROW * min(halves)), ("foot_gap", 0.5 * (biped.width - sum(halves)))):
             if name in lengths:
                 lengths[name] = min(lengths[name], max(most, 0.0))
-        found = {"bounds": self.bounds.model_copy(update=lengths)}
+        bounds = self.bounds.model_copy(update=lengths)
+        if "torque_rate" not in given:
+            bounds.model_fields_set.discard("torque_rate")  # a default may be relaxed
+        found = {"bounds": bounds}
         weight = {} if "wrench_weight" in self.model_fields_set else {"wrench_weight": size**2 * self.wrench_weight}
         return self.model_copy(update=found | weight)

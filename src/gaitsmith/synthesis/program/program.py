@@ -11,6 +11,7 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, wrench_rows
+from gaitsmith.synthesis.program.bounds import Kind
 from gaitsmith.synthesis.program.cones import cone_rows, is_cone
 from gaitsmith.synthesis.program.rates import is_rate, rate_form, rate_label
 from gaitsmith.synthesis.program.rows import Label, Rows, bound_label
@@ -19,6 +20,8 @@ from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
 _SCALE = 9.5  # of the objective in units of the robot's weight, leg and the time in which it falls over
+CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
+SELDOM = (Kind.TORQUE, *CURVED)  # imposed only where the dense grid asks for it
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,8 +176,8 @@ def _efforts(trans: Transcription) -> Array:
     return found
 
 
-def every_bound(trans: Transcription, points: Points) -> list[ImposedBound]:
-    """Every bound at every point."""
+def every_bound(trans: Transcription, points: Points, without: tuple[Kind, ...] = ()) -> list[ImposedBound]:
+    """Every bound at every point, but those of some kinds."""
     borders, motion = trans.motion.borders, trans.motion
     found = []
     for phase, time, control in zip(points.phase.tolist(), points.time.tolist(), points.control.tolist(), strict=True):
@@ -185,6 +188,6 @@ def every_bound(trans: Transcription, points: Points) -> list[ImposedBound]:
         for k, bound in enumerate(trans.bounds[phase]):
             # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
             coned = is_cone(trans, bound) or (free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench)
-            if not bound.free_at(start, end) and not coned:
+            if not bound.free_at(start, end) and not coned and bound.kind not in without:
                 found.append(ImposedBound(phase, k, time))
     return found

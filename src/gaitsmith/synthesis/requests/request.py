@@ -148,7 +148,7 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     Raises:
         BadInput: numbers that cannot be used.
     """
-    biped, settings = planner.biped, request.settings.sized(planner.biped)
+    biped, settings = planner.biped, request.settings
     results: dict[str, PlanResult] = {}
 
     def run(motion: Motion, chosen: Settings, neighbour: PlanResult | None = None) -> PlanResult:
@@ -158,22 +158,21 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
             results[motion.name] = found
         return found
 
-    rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
+    rest = standing(biped, biped.height - max(REST * biped.height, settings.sized(biped).bounds.squat))
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
     if request.kind == "stairs":
         check_stairs(biped, request.step)
-        cycle = run(stairs_cycle(biped, request.step), request.settings.sized(biped, request.step.transfer))
+        cycle = run(stairs_cycle(biped, request.step), request.settings)
         return _ends(planner, request, run, results, cycle, rest)
     step, periods = request.step, []
-    cycle = run(cyclic(biped, step), request.settings.sized(biped, step.transfer))
+    cycle = run(cyclic(biped, step), request.settings)
     while request.faster and cycle.gait is None and _FASTER * step.period > _FASTEST * biped.fall_time:
         periods.append(step.period)
         step = replace(step, period=_FASTER * step.period, length=_FASTER * step.length)
-        cycle = run(cyclic(biped, step), request.settings.sized(biped, step.transfer))
+        cycle = run(cyclic(biped, step), request.settings)
     if request.free_times and cycle.gait is not None:
-        chosen = request.settings.sized(biped, step.transfer)
-        step, cycle = freed(step, cycle, lambda tried, best: run(cyclic(biped, tried), chosen, best))
+        step, cycle = freed(step, cycle, lambda tried, best: run(cyclic(biped, tried), request.settings, best))
         results["cyclic"] = cycle
     return replace(_ends(planner, replace(request, step=step), run, results, cycle, rest), periods=tuple(periods))
 
@@ -187,7 +186,7 @@ def _ends(
     rest: Array,
 ) -> Answer:
     """What a request wants beside the cyclic gait: a start, a stop, or both."""
-    biped, settings = planner.biped, request.settings.sized(planner.biped, request.step.transfer)
+    biped, settings = planner.biped, request.settings
     if request.kind == "cyclic" or cycle.gait is None:
         return Answer(results, cycle.gait)
     q, v, a = cycle.gait.joints(0, np.array([0.0]))
@@ -232,6 +231,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     phases = tuple(phase for gait in gaits for phase in gait.motion.phases)
     pieces = tuple(group for gait in gaits for group in gait.pieces)
     parameters = cycle.gait.motion.parameters | {"cycles": float(request.cycles)}
+    bounds = begin.gait.bounds | {"torque_rate": max(gait.bounds["torque_rate"] for gait in gaits)}
     conditions: list[Condition] = []
     worst: dict[str, dict[str, Any]] = {}
     borders = 0
@@ -243,6 +243,9 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
         borders += len(gait.motion.phases)
         for item in gait.certificate["worst"]:
             moved = (mirrored_entry(item, planner.biped.whole) if mirror else item) | {"time": item["time"] + first}
+            if moved["constraint"].endswith("torque rate"):  # every part may have its own bound
+                most, value = bounds["torque_rate"], moved["value"]
+                moved |= {"limit": float(np.copysign(most, value)), "violation": (abs(value) - most) / (2.0 * most)}
             if moved["constraint"] in QUANTITIES:
                 ends = ((key, moved_value(moved["constraint"], moved[key], (away, 0.0, climb), 1.0)) for key in _ENDS)
                 moved |= dict(ends)
@@ -258,6 +261,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
         begin.gait,
         motion=Motion("stairs" if request.kind == "stairs" else "walk", phases, tuple(conditions), False, parameters),
         pieces=pieces,
+        bounds=bounds,
         solver=solver,
         certificate=begin.gait.certificate
         | {"worst": ranked, "objective": sum(float(gait.certificate["objective"]) for gait in gaits)},

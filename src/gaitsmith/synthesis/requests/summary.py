@@ -79,7 +79,8 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "zmp_margin_mm": None if gait is None else 1e3 * single_support_margin(gait, biped),
         "torque_jump": None if gait is None else jumps(gait, biped.whole)[0],
         "torque_rate_max": None if gait is None else largest_torque_rate(gait),
-        "warnings": [f"verify rejects this gait: {problem}" for problem in problems],
+        "torque_rate_bound": None if gait is None else gait.bounds["torque_rate"],
+        "warnings": _relaxed(found) + [f"verify rejects this gait: {problem}" for problem in problems],
         "worst": worst,
         "solves": {
             name: {"status": item.status, "iterations": item.iterations, "objective": item.objective, **item.times}
@@ -90,6 +91,16 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "held": [biped.robot.joint_names[joint] for joint in biped.held],
         "file": file,
     }
+
+
+def _relaxed(found: Answer) -> list[str]:
+    """Default bounds that left no gait, in words."""
+    return [
+        f"torque rates of {name} are bounded by {item.gait.bounds['torque_rate']:.4g} N·m/s: "
+        f"the default, {item.default_rate:.4g} N·m/s, left no gait"
+        for name, item in found.results.items()
+        if item.default_rate is not None and item.gait is not None
+    ]
 
 
 def rejections(gait: Gait, robot: Robot) -> list[str]:

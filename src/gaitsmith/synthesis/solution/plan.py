@@ -19,10 +19,10 @@ from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.functions import PointFunctions, point_functions
-from gaitsmith.synthesis.program.bounds import Kind, check_margin
+from gaitsmith.synthesis.program.bounds import check_margin
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.margin import MARGIN
-from gaitsmith.synthesis.program.program import ImposedBound, Program, every_bound, make_program
+from gaitsmith.synthesis.program.program import CURVED, SELDOM, ImposedBound, Program, every_bound, make_program
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 from gaitsmith.synthesis.solution.bound_check import (
     BoundCheck,
@@ -40,14 +40,21 @@ from gaitsmith.synthesis.solution.geometry import out_of_reach
 from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
 from gaitsmith.synthesis.solution.neighbour import near_bounds, rescaled
-from gaitsmith.synthesis.solution.rate_check import rate_margins, too_fast, torque_rates_of, with_fast
+from gaitsmith.synthesis.solution.rate_check import (
+    fastest,
+    largest_rate,
+    rate_margins,
+    too_fast,
+    torque_rates_of,
+    with_fast,
+)
+from gaitsmith.synthesis.solution.relaxation import Before, Relaxation
 from gaitsmith.synthesis.solution.sqp import solve_sqp
 
 Array = npt.NDArray[np.float64]
 _AIM = 0.2 * MARGIN  # violations above this are dealt with while others are
-_CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
-_SELDOM = (Kind.TORQUE, *_CURVED)  # imposed only where the dense grid asks for it
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
+_NEARLY = 3.0  # of a range: while a bound is exceeded by more, torque rates say nothing
 _WARM_ITERATIONS = 12
 _USUAL = 60  # iterations from standing still; who needs more has asked for too much, or for another start
 _ANOTHER = 100  # where a warm start failed
@@ -81,6 +88,7 @@ class PlanResult:
         worst: every constraint's worst value, the worst first.
         x, imposed, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
             neighbour starts warm.
+        default_rate: N·m/s, the default bound of torque rates where it left no gait; the gait has the one used.
     """
 
     status: str
@@ -98,6 +106,7 @@ class PlanResult:
     imposed: list[ImposedBound] = field(default_factory=list)
     borders: Array = field(default_factory=lambda: np.zeros(0))
     solution: Solution | None = None
+    default_rate: float | None = None
 
     @property
     def solved(self) -> bool:
@@ -146,11 +155,12 @@ class Planner:
         Raises:
             BadInput: the ZMP margin leaves nothing of the sole.
         """
-        settings = (settings or Settings()).sized(self.biped)
+        settings = (settings or Settings()).sized(self.biped, motion.transfer)
         check_margin(self.biped, settings.bounds)
         compiled = self.functions.compile_s if self._compile_s is None else 0.0
         begin = time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
+        relaxation, first = Relaxation(trans), 0
         times = {"setup": 0.0, "compile": compiled, "solve": 0.0, "check": 0.0}
         result = PlanResult("not solved", out_of_reach(trans), trans.size, times, borders=motion.borders)
         if result.reason:
@@ -162,7 +172,7 @@ class Planner:
             imposed = rescaled(neighbour.imposed, neighbour.borders, motion.borders)
             x, found = neighbour.x, neighbour.solution
         else:
-            imposed, x, found = without_seldom(trans, base), usual, None
+            imposed, x, found = every_bound(trans, base, SELDOM), usual, None
         examined = settled = False  # the first solve is a rough one
         times["setup"] += time.perf_counter() - begin
         while True:
@@ -172,7 +182,8 @@ class Planner:
             far = start is not None or examined
             left = max(settings.max_iterations - result.iterations, 1)
             most = left if far else min(left, _USUAL if found is None else _ANOTHER)
-            found, fallbacks = self._solve(program, found, x, settings, most, result.rounds, far, tell)
+            easier = relaxation.imposes(imposed)
+            found, fallbacks = self._solve(program, found, x, settings, most, result.rounds, far, easier, tell)
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
@@ -190,6 +201,10 @@ class Planner:
             if not found.solved:
                 text = undecided(trans, program, found, result.iterations)
                 left = settings.max_iterations - result.iterations
+                before = relaxation.restart() if easier and left > 0 else None
+                if before is not None:
+                    imposed, x, found, first = before.imposed, before.x, before.found, result.rounds
+                    continue
                 if examined or left <= 0:
                     return replace(result, status="not decided", reason=text)
                 least = self._examined(trans, base, (usual, x), left, tell)
@@ -198,37 +213,41 @@ class Planner:
                     return replace(result, status="not decided", reason=text)
                 if least.excesses or least.unmet is not None:
                     return replace(result, reason=lacking(trans, least))
-                imposed, x, found, examined = without_seldom(trans, base), least.x, None, True
+                imposed, x, found, examined = every_bound(trans, base, SELDOM), least.x, None, True
                 continue
             clock = time.perf_counter()
             checks = check_bounds(trans, self.functions, x, settings.dense)
             rates = torque_rates_of(trans, self.functions, x, checks)
             times["check"] += time.perf_counter() - clock
-            if worst_excess(checks) <= 0.0 and settled and not too_fast(trans, rates):
+            excess, last = worst_excess(checks), result.rounds - first >= settings.refinements
+            kept, fast = excess <= 0.0 and settled, too_fast(trans, rates)
+            if kept and (not (fast or relaxation.unbounded) or relaxation.accepts(largest_rate(rates), last)):
                 break
-            if result.rounds >= settings.refinements:
+            if last:
                 worst = certificate(trans, checks)
-                first = worst[0]
-                text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}"
-                text += f", after {result.rounds} refinements"
+                text = f"{worst[0] if not kept else fastest(trans, rates)}, after {result.rounds} refinements"
                 return replace(result, status="not certified", reason=text, worst=worst)
-            imposed, settled = with_fast(trans, rates, with_violated(trans, checks, imposed, _AIM, settled)), True
+            if relaxation.before is None and fast:
+                relaxation.before = Before(imposed, x, found)
+            imposed, settled = with_violated(trans, checks, imposed, _AIM, settled), True
+            if fast and excess < _NEARLY:
+                imposed = with_fast(trans, rates, imposed)
             result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)
         imposed = with_close(trans, checks, near)
         gait = self._gait(trans, checks, result)
         held = held_margins(self.biped, settings.bounds, gait, settings.dense)
-        steep = rate_margins(gait, settings.bounds.torque_rate, self.biped.names, settings.dense)
+        steep = rate_margins(gait, trans.settings.bounds.torque_rate, self.biped.names, settings.dense)
         worst = ranked(held | steep | {item.constraint: item for item in certificate(trans, checks)})
         gait.certificate["claims"] = claims_hash(gait)
         gait.certificate["worst"] = [item.as_dict() for item in worst]
         times["check"] += time.perf_counter() - clock
-        result = replace(result, worst=worst, imposed=imposed, solution=found)
+        default = relaxation.default if relaxation.relaxed else None
+        result = replace(result, worst=worst, imposed=imposed, solution=found, default_rate=default)
         if held and max(item.violation for item in held.values()) > 0.0:
-            first = ranked(held)[0]
-            text = f"{first.constraint} {first.value:.4g} of {first.limit:.4g} {first.unit} in {first.phase}, held"
-            return replace(result, status="not certified", reason=f"{text}; free it, or change its home angle")
+            text = f"{ranked(held)[0]}, held; free it, or change its home angle"
+            return replace(result, status="not certified", reason=text)
         return replace(result, status="solved", gait=gait)
 
     def _examined(
@@ -240,7 +259,7 @@ class Planner:
         tell: Callable[[Progress], None] | None,
     ) -> Elastic:
         """The least excess of bounds with which everything can be met, from several starts until there is none."""
-        imposed = without(every_bound(trans, base), trans, _CURVED)
+        imposed = every_bound(trans, base, CURVED)
         whole = make_program(trans, self.functions, base, imposed)
         found, spent = None, 0
         for begin in starts:
@@ -262,11 +281,12 @@ class Planner:
         left: int,
         rounds: int,
         far: bool,
+        easier: bool,
         tell: Callable[[Progress], None] | None,
     ) -> tuple[Solution, int]:
         """Warm from the last solution if there is one, else cold; and how often a warm start failed.
 
-        ``far``: from no usual start.
+        ``far``: from no usual start. ``easier``: there is another program to try before a slower method.
         """
         tried = 0
         if last is not None:
@@ -275,7 +295,7 @@ class Planner:
             multipliers[:count] = last.multipliers[:count]
             most = min(_WARM_ITERATIONS, left)
             found = solve_sqp(program, x, multipliers, most, rounds > 0, tell)
-            if found.solved or found.iterations >= left:
+            if found.solved or easier or found.iterations >= left:
                 return found, 0
             far, tried = True, found.iterations
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
@@ -318,13 +338,3 @@ def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[Worst]:
     for phase, bounds, item in zip(trans.motion.phases, trans.limits, checks, strict=True):
         merge(found, phase, bounds, item.times, item.values, item.loads)
     return ranked(found)
-
-
-def without(imposed: list[ImposedBound], trans: Transcription, kinds: tuple[Kind, ...]) -> list[ImposedBound]:
-    """The imposed bounds that are of no such kind."""
-    return [item for item in imposed if trans.bounds[item.phase][item.bound].kind not in kinds]
-
-
-def without_seldom(trans: Transcription, base: Points) -> list[ImposedBound]:
-    """All bounds at all points, without those that are imposed only where the dense grid asks for them."""
-    return without(every_bound(trans, base), trans, _SELDOM)

@@ -14,6 +14,7 @@ from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
+from gaitsmith.synthesis.program.rates import UNIT, rate_name
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.bound_check import BoundCheck
 from gaitsmith.synthesis.solution.certificate import merge
@@ -22,8 +23,9 @@ from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
 Array = npt.NDArray[np.float64]
 _SAMPLES = 12  # Chebyshev nodes a piece
 _FINE = 16  # instants a piece at which a rate is looked at
-_INSIDE = 1e-3  # of a piece: how far its first and last such instants lie inside
-_MARGIN = 0.01  # of the bound: what lies between these instants
+_INSIDE = 1e-3  # of a piece: how far its first and last such instants are said to lie inside
+_BETWEEN = 2e-3  # of the bound: what lies between these instants
+_MARGIN = 0.01  # of the bound: how far below it rates are imposed
 _TIGHTEST = 0.4  # of a span
 _NEAR, _SAME = 0.15, 0.03  # of a section: instants that say much the same, and as good as the same
 
@@ -40,7 +42,8 @@ def torque_rates_of(trans: Transcription, functions: PointFunctions, x: Array, c
     """The derivatives of the torques' series, phase by phase."""
     n, found = trans.biped.joints, []
     nodes, to_series = chebyshev_fit(_SAMPLES)
-    share = np.linspace(_INSIDE, 1.0 - _INSIDE, _FINE)  # at a knot a rate jumps: its instant must tell on which side
+    share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _FINE))
+    said = np.clip(share, _INSIDE, 1.0 - _INSIDE)  # at a knot a rate jumps: its instant must tell on which side
     for phase, item in enumerate(checks):
         parts = [local_inputs(trans, x, phase, [piece], piece[0] + piece[1] * nodes) for piece in item.pieces]
         z = np.hstack(parts)
@@ -49,7 +52,7 @@ def torque_rates_of(trans: Transcription, functions: PointFunctions, x: Array, c
         times, values = [], []
         for (start, span, _), torque in zip(item.pieces, np.split(o[:n], len(parts), axis=1), strict=True):
             slope = np.polynomial.chebyshev.chebder((torque @ to_series).T) * (2.0 / span)
-            times.append(start + span * share)
+            times.append(start + span * said)
             values.append(np.polynomial.chebyshev.chebval(2.0 * share - 1.0, slope))
         found.append(Rates(np.concatenate(times), np.hstack(values)))
     return found
@@ -62,12 +65,21 @@ def largest_rate(rates: list[Rates]) -> float:
 
 def too_fast(trans: Transcription, rates: list[Rates]) -> bool:
     """Whether any rate exceeds its bound; quartics jump, so that they have none."""
-    return trans.settings.order > 4 and largest_rate(rates) > trans.settings.bounds.torque_rate
+    return trans.settings.order > 4 and largest_rate(rates) > (1.0 - _BETWEEN) * trans.settings.bounds.torque_rate
+
+
+def fastest(trans: Transcription, rates: list[Rates]) -> str:
+    """The largest rate beside its bound, in words."""
+    phase = int(np.argmax([np.abs(item.values).max() for item in rates]))
+    values = rates[phase].values
+    local = int(np.argmax(np.abs(values).max(axis=1)))
+    pair = f"{np.abs(values[local]).max():.4g} of {trans.settings.bounds.torque_rate:.4g} {UNIT}"
+    return f"{rate_name(trans, phase, local)} {pair} in {trans.motion.phases[phase].name}"
 
 
 def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBound]) -> list[ImposedBound]:
     """The imposed bounds, with each joint's largest excess in every section added or tightened."""
-    most = trans.settings.bounds.torque_rate
+    most = (1.0 - _BETWEEN) * trans.settings.bounds.torque_rate
     found = list(imposed)
     for phase, item in enumerate(rates):
         sections = trans.instants(phase, item.times).section
@@ -103,7 +115,7 @@ def rate_margins(gait: Gait, most: float, moving: Sequence[str], count: int) -> 
     found: dict[str, Worst] = {}
     places = [gait.joint_names.index(name) for name in moving]
     names = [f"{name} torque rate" for name in moving]
-    bounds = [PhaseBound(Kind.TORQUE, name, "N·m/s", {}, {}, -most, most, 2.0 * most) for name in names]
+    bounds = [PhaseBound(Kind.TORQUE, name, UNIT, {}, {}, -most, most, 2.0 * most) for name in names]
     borders = gait.motion.borders
     for index, phase in enumerate(gait.motion.phases):
         times = np.linspace(borders[index], borders[index + 1], count)
