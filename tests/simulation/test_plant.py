@@ -293,3 +293,13 @@ def test_a_torso_s_centre_of_mass_moves_alone():
     moved[robot().torso_body] = (0.03, -0.02, 0.01)
     np.testing.assert_allclose(shifted.body_ipos - plain.body_ipos, moved, atol=1e-12)
     np.testing.assert_array_equal(shifted.body_mass, plain.body_mass)
+
+
+def test_stairs_down_begin_on_their_upper_end():
+    terrain = parse_terrain("stairs:-0.05,0.2,0.12,3")
+    plant = Plant(robot(), terrain=terrain)
+    plant.reset(posture())
+    found = plant.q[2]
+    flat = Plant(robot())
+    flat.reset(posture())
+    assert found - flat.q[2] == pytest.approx(0.15, abs=1e-12)

@@ -25,7 +25,7 @@ def run_battery(options: BatteryOptions, progress: Progress = silent) -> Result:
     Raises:
         BadInput: unknown set, trial or preset, or the robot or the folder cannot be used.
     """
-    chosen = load_set(options.set, options.robot, options.preset, options.gait)
+    chosen = load_set(options.set, options.robot, options.preset, options.gait, options.engine)
     loaded, trials = chosen.robot, _chosen(chosen.trials, options.only)
     store = Store(options.out)
     unfit = {trial.name: reason for trial in trials if (reason := why_unfit(trial.scenarios, loaded))}

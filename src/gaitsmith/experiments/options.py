@@ -16,6 +16,7 @@ _Robot = Annotated[
     str | None, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH", absent="the set's")
 ]
 _Gait = Annotated[str | None, About("A planned gait to walk", metavar="FILE", absent="the template")]
+_Engine = Annotated[Literal["mujoco", "bullet"], About("Physics: MuJoCo, or Bullet (extra bullet)")]
 _Folder = Annotated[str, About("Folder of results; runs found there are not repeated", metavar="DIR")]
 
 
@@ -37,6 +38,7 @@ class PushOptions(Frozen):
     robot: _Robot = None
     preset: Preset = "default"
     gait: _Gait = None
+    engine: _Engine = "mujoco"
     impulse: Annotated[
         float | None, About("Impulse of 0.1 s at the torso's centre of mass", "N·s", "N·s", absent="standard")
     ] = None
@@ -68,6 +70,7 @@ class BatteryOptions(Frozen):
     robot: _Robot = None
     preset: Preset = "default"
     gait: _Gait = None
+    engine: _Engine = "mujoco"
     only: Annotated[tuple[str, ...], About("Run these trials only", metavar="NAME")] = ()
     jobs: Jobs = 1
     out: _Folder = "runs/bench"

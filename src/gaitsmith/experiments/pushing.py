@@ -34,7 +34,7 @@ def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
     Raises:
         BadInput: an option, the robot, or the folder cannot be used.
     """
-    chosen = load_set(options.set, options.robot, options.preset, options.gait)
+    chosen = load_set(options.set, options.robot, options.preset, options.gait, options.engine)
     loaded, grids, impulse, strength = chosen.robot, chosen.grids, options.impulse, options.strength
     walk = {name: getattr(options, name) for name in ("speed", "height", "period")}
     single = impulse is not None or strength is not None or any(value is not None for value in walk.values())
@@ -71,7 +71,7 @@ def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
     names = {grid: grid.gait_name if options.largest else grid.name for grid in skipped}
     rows += [(name, *[""] * (len(columns) - 2), "skipped") for name in names.values()]
     notes += [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
-    head = {"robot": loaded.card.name, "preset": options.preset, "set": options.set}
+    head = {"robot": loaded.card.name, "preset": options.preset, "engine": options.engine, "set": options.set}
     document = {
         **head,
         "identity": loop_identity(loaded),

@@ -141,7 +141,9 @@ def set_names() -> tuple[str, ...]:
     return tuple(sorted(Path(entry.name).stem for entry in resources.files(__package__).joinpath("sets").iterdir()))
 
 
-def load_set(name: str, robot: str | None = None, preset: str = "default", gait: str | None = None) -> TrialSet:
+def load_set(
+    name: str, robot: str | None = None, preset: str = "default", gait: str | None = None, engine: str = "mujoco"
+) -> TrialSet:
     """A set, scaled to a robot.
 
     Args:
@@ -149,6 +151,7 @@ def load_set(name: str, robot: str | None = None, preset: str = "default", gait:
         robot: name or path; the set's own if None.
         preset: control parameters, for the trials that do not name their own.
         gait: planned gait that every trial walks; None for the template.
+        engine: of the physics.
 
     Raises:
         BadInput: the set, the robot or the preset cannot be used.
@@ -158,7 +161,7 @@ def load_set(name: str, robot: str | None = None, preset: str = "default", gait:
     loaded = load_robot(robot)
     if preset not in loaded.card.presets:
         raise BadInput("--preset", preset, "one of " + ", ".join(sorted(loaded.card.presets)))
-    base: dict[str, Any] = {"robot": robot, "preset": preset}
+    base: dict[str, Any] = {"robot": robot, "preset": preset, "engine": engine}
     if gait:
         base = completed(base | {"gait": [gait]})
     scale, heavier = 1.0, 1.0

@@ -22,6 +22,7 @@ from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.footing import check_soles
 from gaitsmith.simulation.diagnosis import Suspect, suspects
 from gaitsmith.simulation.disturbances import Disturber
+from gaitsmith.simulation.engines import engine_of
 from gaitsmith.simulation.fall import Fall
 from gaitsmith.simulation.injection import Injector
 from gaitsmith.simulation.library_run import family_of
@@ -30,7 +31,6 @@ from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.orders import commanded_first, commands_of, controller_of, first_gait
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
-from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
@@ -123,7 +123,7 @@ class Simulation:
         if self.plan is not None:
             self.controller.reset()
             self.controller.load(self.plan, scenario.tracking)
-        self.plant = Plant(
+        self.plant = engine_of(scenario.engine)(
             self.robot,
             terrain=parse_terrain(scenario.terrain, scenario.seed),
             sensors=scenario.sensors if scenario.state == "estimated" else None,

@@ -96,7 +96,9 @@ class Plant:
         self.physics_step = physics_step
         spec = robot.make_spec()
         set_options(spec, physics_step)
-        add_ground(spec, terrain or Terrain(), region or Region(), friction)
+        ground = terrain or Terrain()
+        self._start_height = ground.height(0.0, 0.0)
+        add_ground(spec, ground, region or Region(), friction)
         for k, ball in enumerate(props):
             ball.add_to(spec, f"ball_{k + 1}")
         frictions = np.array([(joint_frictions or {}).get(name, joint_friction) for name in robot.joint_names])
@@ -155,7 +157,7 @@ class Plant:
         self._measured: Measurement | None = None
 
     def reset(self, q: npt.NDArray[np.float64], v: npt.NDArray[np.float64] | None = None) -> None:
-        """Put the robot on the level start area: the lowest point of its soles touches z = 0.
+        """Put the robot on the level start area: the lowest point of its soles touches the ground at the origin.
 
         Args:
             q: (nq,) base position (its z is overwritten), base quaternion w x y z, joint positions.
@@ -174,7 +176,7 @@ class Plant:
         mujoco.mj_resetData(self._model, self._data)
         self.q[:], self.v[:] = q, 0.0 if v is None else v
         mujoco.mj_kinematics(self._model, self._data)
-        self.q[2] -= self._lowest_sole_point()
+        self.q[2] += self._start_height - self._lowest_sole_point()
         mujoco.mj_forward(self._model, self._data)
         self._forces.clear()
         self._levers = False
@@ -223,7 +225,7 @@ class Plant:
 
     def step(self, torque: npt.NDArray[np.float64]) -> None:
         """Apply joint torques (nj,) for one control period, N·m in joint order, and observe what comes of it."""
-        account, address, model, data = self._account, self._address, self._model, self._data
+        account, address = self._account, self._address
         _hearing.warnings = self.warnings
         if self._levers:
             self._place_forces()
@@ -234,8 +236,7 @@ class Plant:
         try:
             for _ in range(self._substeps):
                 apply_torque(address)
-                mujoco.mj_step2(model, data)
-                mujoco.mj_step1(model, data)
+                self._physics()
                 track(address)
         except mujoco.FatalError as error:
             raise PlantError(f"physics engine stopped at {self.time:.3f} s: {error}") from None
@@ -244,6 +245,11 @@ class Plant:
             ball.watch()
         self._ticks += 1
         self.time = self._ticks * self.control_step
+
+    def _physics(self) -> None:
+        """One physics step, after which the engine's arrays hold its outcome."""
+        mujoco.mj_step2(self._model, self._data)
+        mujoco.mj_step1(self._model, self._data)
 
     def measure(self, into: Measurement) -> None:
         """Fill ``into`` with the true state or, with sensor errors, with what the sensors say.

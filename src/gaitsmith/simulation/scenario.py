@@ -119,6 +119,9 @@ class Scenario(Command):
         Literal["true", "estimated"],
         About("What the controller sees: the true state, or noisy sensors and an estimator"),
     ] = "true"
+    engine: Annotated[
+        Literal["mujoco", "bullet"], About("Physics: MuJoCo, or Bullet (extra bullet), the first paper's engine")
+    ] = "mujoco"
     seed: Annotated[int, Field(ge=0, lt=2**32), About("Seed of everything random", metavar="N")] = 0
     terrain: Annotated[
         str,
