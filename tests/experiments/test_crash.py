@@ -62,6 +62,7 @@ def test_the_same_again_from_the_store_and_a_page_that_says_how(crashed):
         ({"controller": "theirs"}, "--controller"),
         ({"controller": "onnx:/nowhere"}, "/nowhere"),
         ({"preset": "x"}, "--preset"),
+        ({"engine": "ray"}, "--address"),
     ],
 )
 def test_what_cannot_be_tested_is_one_line_and_runs_nothing(tmp_path, fields, flag):

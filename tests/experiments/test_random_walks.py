@@ -45,7 +45,9 @@ def _run(monkeypatch, fallen, target, runs=80, missing=()):
         return Episodes(found, bool(missing), 0)
 
     monkeypatch.setattr(random_walks, "run_all", run_all)
-    walks = run_walks(robot(), None, fields={}, runs=runs, first=0, target=target, jobs=1, progress=lambda *_: None)
+    walks = run_walks(
+        robot(), None, fields={}, runs=runs, first=0, target=target, jobs=1, address="", progress=lambda *_: None
+    )
     return walks, [len(group) for group in asked]
 
 

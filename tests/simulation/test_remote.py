@@ -54,6 +54,12 @@ def ours(greeting):
     return answer
 
 
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch):
+    """A busy machine is no silent controller."""
+    monkeypatch.setattr(remote, "PATIENCE", 20.0)
+
+
 def test_our_own_controller_through_the_socket_walks_alike_to_the_last_bit():
     fields = {"speed": 0.3, "duration": 2.5, "pushes": [PUSH], "changes": [{"time": 2.0, "speed": 0.1}]}
     here = run_episode(make_scenario(fields), robot=robot(), record=False).summary
@@ -64,9 +70,8 @@ def test_our_own_controller_through_the_socket_walks_alike_to_the_last_bit():
     assert there.steps > 3
 
 
-def _fails(answer, monkeypatch):
+def _fails(answer):
     """Summary of a walk whose controller gives its 300th answer in another way."""
-    monkeypatch.setattr(remote, "PATIENCE", 0.2)
 
     def make(greeting):
         good, count = ours(greeting), iter(range(10_000))
@@ -78,16 +83,17 @@ def _fails(answer, monkeypatch):
 
 
 def test_one_that_stops_answering_is_named_and_the_joints_are_braked(monkeypatch):
+    monkeypatch.setattr(remote, "PATIENCE", 1.0)
     over = Event()
     try:
-        summary = _fails(lambda good: over.wait(20.0) or good, monkeypatch)
+        summary = _fails(lambda good: over.wait(20.0) or good)
     finally:
         over.set()
     (reaction,) = [entry for entry in summary.faults if entry.component == "controller"]
-    assert reaction.type == "did not answer within 0.2 s"
+    assert reaction.type == "did not answer within 1 s"
     assert (reaction.time, reaction.reaction) == (pytest.approx(0.3, abs=2e-3), "joints braked")
     assert summary.fell
-    assert summary.fall.cause.what == "the controller did not answer within 0.2 s"
+    assert summary.fall.cause.what == "the controller did not answer within 1 s"
     assert all(
         abs(peak) <= limit + 1e-9
         for peak, limit in zip(summary.torque_peak.values(), robot().torque_limit, strict=True)
@@ -103,13 +109,13 @@ def test_one_that_stops_answering_is_named_and_the_joints_are_braked(monkeypatch
         ({"step": [0.0]}, "answered without a step of 4 finite numbers"),
     ],
 )
-def test_nonsense_is_named(monkeypatch, change, said):
-    summary = _fails(lambda good: {**good, **change}, monkeypatch)
+def test_nonsense_is_named(change, said):
+    summary = _fails(lambda good: {**good, **change})
     assert [entry.type for entry in summary.faults if entry.component == "controller"] == [said]
 
 
-def test_torques_stay_within_their_limits(monkeypatch):
-    summary = _fails(lambda good: {**good, "torque": [1e6] * 8}, monkeypatch)
+def test_torques_stay_within_their_limits():
+    summary = _fails(lambda good: {**good, "torque": [1e6] * 8})
     assert max(summary.torque_peak.values()) <= max(robot().torque_limit)
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import secrets
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +51,7 @@ class Wishes:
     held_out: int = 64
     seed: int = 0
     jobs: int = 1
+    address: str = ""
     out: str = "runs/tune"
 
 
@@ -90,7 +94,7 @@ class _Bench:
         taken = self.robot.card.presets
         self.name = next(name for k in range(1, 100) if (name := f"tuned_{k}" if k > 1 else "tuned") not in taken)
         self.store = Store(wishes.out)
-        self._stage = self.store.path.with_name("candidates")
+        self._stage, self._rounds = self.store.path.with_name(f"candidates_{secrets.token_hex(4)}"), count()
 
     def tables(self, candidate: Candidate) -> dict[str, Any]:
         """The preset's groups: the card's own, and over them what the candidate changes."""
@@ -114,15 +118,21 @@ class _Bench:
             _Stopped: Ctrl-C.
         """
         named = {f"{self.name}_try_{k}": candidate for k, candidate in enumerate(candidates)}
-        self.write(self._stage, named, "Candidates of `gaitsmith tune`.")
-        staged = load_robot(self._stage)
+        stage = self._stage / str(next(self._rounds))  # a worker keeps what it has loaded by its path
+        self.write(stage, named, "Candidates of `gaitsmith tune`.")
+        staged = load_robot(stage)
         walks = [
-            pushed_walks(seeds, staged, {"robot": str(self._stage.resolve()), "preset": name, "rest_before": 1.0})
+            pushed_walks(seeds, staged, {"robot": str(stage.resolve()), "preset": name, "rest_before": 1.0})
             for name in named
         ]
         wanted = [scenario for group in walks for scenario in group]
-        jobs, progress = self._wishes.jobs, self._progress
-        episodes = run_all(wanted, staged, self.store, jobs=jobs, progress=progress, what=what)
+        jobs, address = self._wishes.jobs, self._wishes.address
+        try:
+            episodes = run_all(
+                wanted, staged, self.store, progress=self._progress, what=what, jobs=jobs, address=address
+            )
+        finally:
+            shutil.rmtree(self._stage, ignore_errors=True)
         if episodes.interrupted:
             raise _Stopped
         return [[episodes.found[scenario] for scenario in group] for group in walks]
@@ -148,13 +158,13 @@ def tune(wishes: Wishes, progress: Progress = silent) -> Tuning:
         (summaries,) = bench.run([today], seeds, "today's gains")
         at_first = highest = score(summaries)
         while tried < wishes.candidates:
-            count = min(ROUND, wishes.candidates - tried)
-            made = [drawn(random, TUNED, best, _WIDTHS[k % len(_WIDTHS)]) for k in range(count)]
+            number = min(ROUND, wishes.candidates - tried)
+            made = [drawn(random, TUNED, best, _WIDTHS[k % len(_WIDTHS)]) for k in range(number)]
             what = f"{tried} of {wishes.candidates} candidates, best withstands {highest:.3f} (today's {at_first:.3f})"
             for candidate, found in zip(made, bench.run(made, seeds, what), strict=True):
                 if score(found) > highest:
                     best, highest = candidate, score(found)
-            tried += count
+            tried += number
         judged = range(HELD_OUT + first, HELD_OUT + first + wishes.held_out)
         before, after = bench.run([today, best], judged, "held-out seeds")
     except _Stopped:

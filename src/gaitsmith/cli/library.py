@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, NOT_SOLVED, Outcome, Table, Text
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
+from gaitsmith.experiments.options import Address, Engine, Jobs
+from gaitsmith.work.workers import address_of
 
 if TYPE_CHECKING:
     from gaitsmith.library.folder import Record
@@ -26,11 +26,9 @@ class BuildArguments(Arguments):
 
     spec: Annotated[str, Positional("Grid: robot, speed, step_height, period, settings (TOML)", metavar="SPEC")]
     out: Annotated[str, About("Folder of the library", metavar="DIR")]
-    jobs: Annotated[int, Field(ge=1, le=256), About("Processes of this machine", metavar="N")] = 1
-    engine: Annotated[
-        Literal["local", "ray"], About("Where gaits are planned: on this machine, or on a Ray cluster")
-    ] = "local"
-    address: Annotated[str | None, About("Of the Ray cluster's head", metavar="HOST:PORT", absent="none")] = None
+    jobs: Jobs = 1
+    engine: Engine = "local"
+    address: Address = None
 
 
 class ShowArguments(Arguments):
@@ -45,9 +43,7 @@ class ShowArguments(Arguments):
 def build(words: list[str], program: str) -> Outcome:
     """Run ``library build``."""
     arguments = parse(BuildArguments, words, program)
-    if (arguments.engine == "ray") != (arguments.address is not None):
-        given = "nothing" if arguments.address is None else arguments.address
-        raise BadInput("--address", given, "host:port with --engine ray, nothing without it")
+    address = address_of(arguments.engine, arguments.address)
     from gaitsmith.cli.display import Display
     from gaitsmith.library.building import build as run
     from gaitsmith.library.building import failures
@@ -60,7 +56,7 @@ def build(words: list[str], program: str) -> Outcome:
             spec,
             Folder(arguments.out),
             jobs=arguments.jobs,
-            address=arguments.address or "",
+            address=address,
             tell=lambda done, total: display.show("planning", f"{done} of {total}", done, total),
             notify=display.slow,
         )

@@ -10,7 +10,8 @@ from pydantic import Field
 from gaitsmith.cli.arguments import Arguments, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, NOT_SOLVED, Outcome, Text
 from gaitsmith.documents import About
-from gaitsmith.experiments.options import Jobs, Preset, RobotName
+from gaitsmith.experiments.options import Address, Engine, Jobs, Preset, RobotName
+from gaitsmith.work.workers import address_of
 
 if TYPE_CHECKING:
     from gaitsmith.adoption.tuning import Tuning
@@ -31,6 +32,8 @@ class TuneArguments(Arguments):
     held_out: Annotated[int, Field(ge=4, le=10_000), About("Walks that the best is judged by", metavar="N")] = 64
     seed: Annotated[int, Field(ge=0, lt=2**31), About("Seed of the candidates and the walks", metavar="N")] = 0
     jobs: Jobs = 1
+    engine: Engine = "local"
+    address: Address = None
     out: Annotated[str, About("Folder of results; walks found there are not repeated", metavar="DIR")] = "runs/tune"
 
 
@@ -43,11 +46,12 @@ def tune(words: list[str], program: str) -> Outcome:
         BadInput: the command line, the robot, the preset or the folder cannot be used.
     """
     options = parse(TuneArguments, words, program)
+    address = address_of(options.engine, options.address)
     from gaitsmith.adoption.tuning import Wishes
     from gaitsmith.adoption.tuning import tune as run
     from gaitsmith.cli.display import Display
 
-    wishes = Wishes(**options.model_dump(exclude={"json_", "against"}))
+    wishes = Wishes(**options.model_dump(exclude={"json_", "against", "engine", "address"}), address=address)
     with Display("loading (the first time compiles)") as display:
         tuning = run(wishes, lambda done, total, what: display.show(what, f"{done} of {total}", done, total))
     code = INTERRUPTED if tuning.interrupted else DONE if tuning.card is not None else NOT_SOLVED

@@ -23,6 +23,7 @@ from gaitsmith.simulation import Scenario
 from gaitsmith.simulation.remote import identity_of
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.step_policy import OnnxPolicy
+from gaitsmith.work.workers import address_of
 
 FILE = "crash.json"
 SOON = 11.2  # √(H/g), within which a push is to be recovered from; 3 s at H = 0.7 m
@@ -38,6 +39,7 @@ class _Crash:
 
     def __init__(self, options: CrashOptions, progress: Progress) -> None:
         self.options, self.progress = options, progress
+        self.address = address_of(options.engine, options.address)
         self.robot = load_robot(options.robot)
         if options.preset not in self.robot.card.presets:
             raise BadInput("--preset", options.preset, "one of " + ", ".join(sorted(self.robot.card.presets)))
@@ -56,7 +58,7 @@ class _Crash:
 
     @property
     def _shared(self) -> dict[str, Any]:
-        return {"jobs": self.options.jobs, "progress": self.progress}
+        return {"jobs": self.options.jobs, "progress": self.progress, "address": self.address}
 
     def pushes(self) -> bool:
         """The map."""
@@ -84,7 +86,7 @@ class _Crash:
         """The largest push in every direction that is survived at all phases, and the weakest that is not."""
         resolution = round(_FINE * self.unit, 6)
         (search,), interrupted = search_largest(
-            [self.grid], self.robot, self.store, self.options.jobs, self.progress, resolution
+            [self.grid], self.robot, self.store, self.options.jobs, self.progress, resolution, self.address
         )
         if interrupted:
             return True
@@ -132,7 +134,7 @@ class _Crash:
         """Every component that fails in every way."""
         options = self.options
         same = options.model_dump(include={"robot", "preset", "instants", "duration", "jobs", "out"})
-        result = run_faults(FaultOptions(**same), self.progress, self._walker)
+        result = run_faults(FaultOptions(**same), self.progress, self._walker, self.address)
         self.found["faults"] = result.document["faults"]
         return result.interrupted
 
@@ -154,7 +156,7 @@ class _Crash:
     def tour(self) -> bool:
         """The public teleoperation test."""
         same = self.options.model_dump(include={"robot", "preset", "jobs", "out"})
-        result = run_tour(TourOptions(runs=self.options.tour, **same), self.progress, self._walker)
+        result = run_tour(TourOptions(runs=self.options.tour, **same), self.progress, self._walker, self.address)
         self.found["tour"] = result.document
         return result.interrupted
 
@@ -222,7 +224,9 @@ def run_crash(options: CrashOptions, progress: Progress = silent) -> Result:
         "robot": crash.robot.card.name,
         "preset": options.preset,
         "controller": crash.controller,
-        "asked": options.model_dump(mode="json", include=set(CrashOptions.model_fields) - {"jobs", "out"}),
+        "asked": options.model_dump(
+            mode="json", include=set(CrashOptions.model_fields) - {"jobs", "engine", "address", "out"}
+        ),
         "identity": loop_identity(crash.robot),
         "momentum_unit": round(crash.unit, 4),
         **crash.found,

@@ -101,6 +101,7 @@ def run_all(
     store: Store,
     *,
     jobs: int = 1,
+    address: str = "",
     progress: Progress = silent,
     what: str = "episodes",
 ) -> Episodes:
@@ -111,6 +112,7 @@ def run_all(
         robot: as the scenarios' ``robot`` loads it.
         store: asked first; every episode is added as soon as it is finished.
         jobs: processes, each with one thread.
+        address: of a Ray cluster instead, whose nodes have the robot's files at the same place.
         progress: told after every episode.
         what: said to ``progress``.
 
@@ -129,7 +131,8 @@ def run_all(
     pending = [scenario for scenario in wanted if scenario not in found]
     resumed, interrupted = len(found), False
     progress(resumed, len(wanted), what)
-    source = _here(pending, robot, loop) if min(jobs, len(pending)) <= 1 else _elsewhere(pending, robot, jobs)
+    alone = not address and min(jobs, len(pending)) <= 1
+    source = _here(pending, robot, loop) if alone else _elsewhere(pending, robot, jobs, address)
     try:
         for scenario, identity, summary in source:
             if summary is None:
@@ -167,11 +170,13 @@ def _remote(scenario: Scenario) -> _Done:
     return scenario, identity, run_episode(scenario, robot=robot, record=False).summary
 
 
-def _elsewhere(pending: Sequence[Scenario], robot: Robot, jobs: int) -> _Source:
-    """Run on ``jobs`` processes, longest first; a process that dies ends the experiment."""
+def _elsewhere(pending: Sequence[Scenario], robot: Robot, jobs: int, address: str) -> _Source:
+    """Run on ``jobs`` processes, or a cluster, longest first; a process that dies ends the experiment."""
     longest_first = sorted(pending, key=lambda scenario: -scenario.duration)
+    if not longest_first:
+        return
     Simulation(longest_first[0], robot=robot, record=False)  # compile once, not in every process at the same time
-    with workers(min(jobs, len(pending))) as crew:
+    with workers(min(jobs, len(pending)), address) as crew:
         for number, scenario in enumerate(longest_first):
             crew.submit(str(number), _remote, scenario)
         for _ in longest_first:

@@ -45,12 +45,15 @@ class Cell:
     scenarios: tuple[Scenario, ...]
 
 
-def run_faults(options: FaultOptions, progress: Progress = silent, fields: Mapping[str, Any] = _NOTHING) -> Result:
+def run_faults(
+    options: FaultOptions, progress: Progress = silent, fields: Mapping[str, Any] = _NOTHING, address: str = ""
+) -> Result:
     """Run the matrix; ``faults.json`` is written to the folder of results too.
 
     Args:
         options: what is to fail.
         progress: told after every episode.
+        address: of a Ray cluster instead of processes here.
         fields: of the scenario, put over every episode's.
 
     Raises:
@@ -59,7 +62,7 @@ def run_faults(options: FaultOptions, progress: Progress = silent, fields: Mappi
     robot = load_robot(options.robot)
     store, cells = Store(options.out), _cells(options, robot, fields)
     wanted = [scenario for cell in cells for scenario in cell.scenarios]
-    episodes = run_all(wanted, robot, store, jobs=options.jobs, progress=progress, what="failing")
+    episodes = run_all(wanted, robot, store, jobs=options.jobs, address=address, progress=progress, what="failing")
     found = [(cell, [s for one in cell.scenarios if (s := episodes.found.get(one))]) for cell in cells]
     document = {
         "robot": robot.card.name,

@@ -94,6 +94,7 @@ def search_largest(
     jobs: int,
     progress: Progress,
     resolution: float | None = None,
+    address: str = "",
 ) -> tuple[list[Search], bool]:
     """Search all gaits at the same time, one round of impulses after the other.
 
@@ -123,7 +124,9 @@ def search_largest(
             for (k, i), impulse in tried.items()
         }
         wanted = [scenario for group in scenarios.values() for scenario in group]
-        episodes = run_all(wanted, robot, store, jobs=jobs, progress=progress, what=f"bisecting, round {number}")
+        episodes = run_all(
+            wanted, robot, store, jobs=jobs, address=address, progress=progress, what=f"bisecting, round {number}"
+        )
         if episodes.interrupted:
             return searches, True
         for (k, i), impulse in tried.items():

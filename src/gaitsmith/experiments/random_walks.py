@@ -115,6 +115,7 @@ def run_walks(
     first: int,
     target: float | None,
     jobs: int,
+    address: str,
     progress: Progress,
 ) -> Walks:
     """Run walks until there are enough.
@@ -130,13 +131,16 @@ def run_walks(
         first: seed.
         target: share that is to be decided upon; None to run all.
         jobs: processes.
+        address: of a Ray cluster instead; empty for none.
         progress: told after every walk.
     """
     planned = looks(runs, target)
     confidence = 1.0 - (1.0 - CONFIDENCE) / len(planned)
     for count in planned:
         scenarios = {seed: random_walk(seed, robot, fields) for seed in range(first, first + count)}
-        episodes = run_all(scenarios.values(), robot, store, jobs=jobs, progress=progress, what="walking at random")
+        episodes = run_all(
+            scenarios.values(), robot, store, jobs=jobs, address=address, progress=progress, what="walking at random"
+        )
         found = {}
         for seed, scenario in scenarios.items():
             summary = episodes.found.get(scenario)

@@ -73,12 +73,15 @@ class _Run(NamedTuple):
         return [(size, self.summary.fell and k == len(landed) - 1) for k, size in enumerate(landed)]
 
 
-def run_tour(options: TourOptions, progress: Progress = silent, fields: Mapping[str, Any] = _NOTHING) -> Result:
+def run_tour(
+    options: TourOptions, progress: Progress = silent, fields: Mapping[str, Any] = _NOTHING, address: str = ""
+) -> Result:
     """Run the test; see :mod:`gaitsmith.simulation.tour`. ``tour.json`` is written to the folder of results too.
 
     Args:
         options: what is to be run.
         progress: told after every episode.
+        address: of a Ray cluster instead of processes here.
         fields: of the scenario, put over every run's.
 
     Raises:
@@ -90,7 +93,9 @@ def run_tour(options: TourOptions, progress: Progress = silent, fields: Mapping[
     base = {"robot": robot, "preset": preset, "duration": _STAND + LENGTH, "rest_before": _STAND, **gait, **fields}
     scenarios = {run_id: _scenario(base, loaded, run_id, force) for run_id in range(first, first + runs)}
     store = Store(options.out)
-    episodes = run_all(scenarios.values(), loaded, store, jobs=options.jobs, progress=progress, what="touring")
+    episodes = run_all(
+        scenarios.values(), loaded, store, jobs=options.jobs, address=address, progress=progress, what="touring"
+    )
     done = [
         _Run(run_id, scenario, summary)
         for run_id, scenario in scenarios.items()

@@ -32,6 +32,7 @@ from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.orders import commanded_first, commands_of, controller_of, first_gait
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
+from gaitsmith.simulation.remote import RemoteController
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.strides import Strides
@@ -283,6 +284,8 @@ class Simulation:
         return Episode(self.summary(), self._file, self.interrupted)
 
     def _close(self) -> None:
+        if isinstance(self.controller, RemoteController):
+            self.controller.close()
         if self._recorder is not None and self._file is not None:
             try:
                 self._recorder.close()

@@ -9,6 +9,7 @@ from gaitsmith.control import Controller
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.simulation.library_run import Steered, first_inputs
 from gaitsmith.simulation.loop import Commands, Order, Script
+from gaitsmith.simulation.remote import RemoteController, port_of
 from gaitsmith.simulation.scenario import Scenario
 from gaitsmith.simulation.step_policy import OnnxPolicy, PolicyCommands
 
@@ -54,8 +55,6 @@ def controller_of(scenario: Scenario, robot: Robot, gait: GaitParameters, stoppe
         stopped: told why, when another process is not asked any more.
     """
     if scenario.controller:
-        from gaitsmith.simulation.remote import RemoteController, port_of
-
         port = port_of(scenario.controller)
         return RemoteController(robot, scenario.preset, scenario.state, gait, port, stopped)
     return Controller(robot, preset=scenario.preset, state=scenario.state, gait=gait)

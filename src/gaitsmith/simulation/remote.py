@@ -166,6 +166,10 @@ class RemoteController(Controller):
         self._angles.clear()
         self.damp()
 
+    def close(self) -> None:
+        """Hang up; the process is not asked any more."""
+        self._line.close()
+
     def walk(self) -> None:
         """Say from the next tick on that it is to walk."""
         self._walk = True

@@ -96,6 +96,18 @@ class _Ray:
             raise GaitsmithError(f"the cluster lost a task: {str(error).splitlines()[0][:200]}") from None
 
 
+def address_of(engine: str, address: str | None) -> str:
+    """Address of the Ray cluster that ``--engine`` and ``--address`` name; empty for this machine.
+
+    Raises:
+        BadInput: one without the other.
+    """
+    if (engine == "ray") != (address is not None):
+        given = "nothing" if address is None else address
+        raise BadInput("--address", given, "host:port with --engine ray, nothing without it")
+    return address or ""
+
+
 @contextlib.contextmanager
 def workers(jobs: int = 1, address: str = "") -> Iterator[Workers]:
     """Processes to work with.
