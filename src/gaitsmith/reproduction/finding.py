@@ -49,10 +49,10 @@ class Found:
     rows: list[Row] = field(default_factory=list)
     pictures: list[Picture] = field(default_factory=list)
 
-    def draw(self, figure: str, made: Figure, caption: str = "") -> None:
-        """Take a figure in."""
+    def draw(self, figure: str, made: Figure, caption: str = "", name: str = "") -> None:
+        """Take a figure in; its file has the figure's name unless it has its own."""
         self.pictures.append(Picture(figure, as_svg(made), "image/svg+xml", caption))
-        save(made, self.folder / f"{figure}.png")
+        save(made, self.folder / f"{name or figure}.png")
 
     def frames(self, figure: str, run: Run, begin: float, end: float) -> None:
         """Take twelve pictures of a run in; say so where they cannot be drawn."""

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import traceback
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from gaitsmith.errors import BadInput, GaitsmithError
-from gaitsmith.files import uninterrupted, write_text_atomic
+from gaitsmith.errors import BadInput
+from gaitsmith.files import write_text_atomic
 from gaitsmith.reports.page import Page
 from gaitsmith.reproduction import synthesis, template
+from gaitsmith.reproduction.engines import engines
 from gaitsmith.reproduction.finding import Found, Row
 from gaitsmith.simulation.episode import Simulation
 from gaitsmith.simulation.scenario import Scenario
+from gaitsmith.work.workers import workers
 
 _Source = Generator[tuple[str, "Found | str"], None, None]
 Advance = Callable[[int, int, str], None]
 _TEMPLATE = "Han et al., A heuristic gait template planning and dynamic motion control for biped robots (2023)"
 _SYNTHESIS = "Parametric gait synthesis in three dimensions for THBIP-II (doi:10.1007/978-3-319-58463-8_19)"
 _GROUPS = {"template": _TEMPLATE, "synthesis": _SYNTHESIS}
-_POLL = 0.2  # s
 
 
 class Experiment(NamedTuple):
@@ -35,6 +33,7 @@ class Experiment(NamedTuple):
 
 
 EXPERIMENTS: dict[str, Experiment] = {
+    "engines": Experiment(("template5",), engines),
     "whole": Experiment(("synthesis7", "synthesis8", "synthesis9", "synthesis10"), synthesis.whole),
     "cyclic": Experiment(("synthesis4", "synthesis5", "synthesis6"), synthesis.cyclic),
     "profile": Experiment(("template5", "template6"), template.profile),
@@ -47,7 +46,7 @@ EXPERIMENTS: dict[str, Experiment] = {
 """By name, those that take longest first."""
 FIGURES = tuple(
     sorted(
-        (figure for experiment in EXPERIMENTS.values() for figure in experiment.figures),
+        {figure for experiment in EXPERIMENTS.values() for figure in experiment.figures},
         key=lambda name: (name.startswith("synthesis"), int(name.lstrip("abcdefghijklmnopqrstuvwxyz"))),
     )
 )
@@ -144,24 +143,18 @@ def _silent(name: str, folder: Path) -> Found | str:
 
 
 def _elsewhere(wanted: list[str], folder: Path, jobs: int, advance: Advance) -> _Source:
-    """On other processes, which do not hear signals themselves: they are ended with this one's wish."""
+    """On other processes."""
     advance(0, len(wanted), "loading (the first time compiles)")
     Simulation(Scenario(duration=1.0), record=False)  # compile once, not in every process at the same time
-    pool = ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=multiprocessing.get_context("spawn"))
-    try:
-        with uninterrupted():
-            waiting: dict[Future[Found | str], str] = {pool.submit(_silent, name, folder): name for name in wanted}
-        while waiting:
-            ready, _ = wait(waiting, timeout=_POLL, return_when=FIRST_COMPLETED)
-            advance(len(wanted) - len(waiting), len(wanted), ", ".join(list(waiting.values())[:jobs]))
-            for future in ready:
-                yield waiting.pop(future), future.result()
-    except BrokenProcessPool:
-        raise GaitsmithError("a worker process was killed; run again with fewer jobs") from None
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in multiprocessing.active_children():
-            child.kill()
+    with workers(min(jobs, len(wanted))) as crew:
+        for name in wanted:
+            crew.submit(name, _silent, name, folder)
+        left = list(wanted)
+        while left:
+            advance(len(wanted) - len(left), len(wanted), ", ".join(left[:jobs]))
+            name, result = crew.done()
+            left.remove(name)
+            yield name, result
 
 
 def _page(
