@@ -64,8 +64,8 @@ class Relaxation:
         return bool(np.isinf(self.trans.settings.bounds.torque_rate))
 
     def imposes(self, imposed: list[ImposedBound]) -> bool:
-        """Whether a default is among the imposed bounds, so that a failure may be its own."""
-        return self.allowed and any(is_rate(self.trans, item.phase, item.bound) for item in imposed)
+        """Whether a default is among the imposed bounds, so that a failure may be its own, and there is a way back."""
+        return self.allowed and self.before is not None and any(is_rate(self.trans, item.phase, item.bound) for item in imposed)
 
     def restart(self) -> Before | None:
         """After a failure: the bound a step further, and where to go on from; None where it is a user's."""
