@@ -99,19 +99,21 @@ class Assembly:
     @cached_property
     def hessian(self) -> Any:
         """(x, p, factor of the objective, multipliers) -> upper triangle of the Lagrangian's Hessian."""
-        layout, program = self.program.functions.layout, self.program
-        factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", program.rows)
-        on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, program.points.count)
-        on_outputs = on_outputs + factor * self._torque_slope(self._o)
-        found = ca.triu(self._curvature(on_outputs, factor))
+        factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", self.program.rows)
+        found = self._lagrangian(factor, factor, multipliers)
         return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
 
     @cached_property
-    def convex(self) -> Any:
-        """X -> upper triangle of the objective's Hessian without the curvature of the torques: never negative."""
-        layout, count = self.program.functions.layout, self.program.points.count
-        found = ca.triu(self._curvature(ca.MX(layout.outputs, count), ca.MX(1.0)))
-        return ca.Function("convex", [self.x], [found])
+    def curvature(self) -> Any:
+        """(x, share, multipliers) -> the same with a share of the torques' own curvature; without both never negative."""
+        share, multipliers = ca.MX.sym("share"), ca.MX.sym("lam_g", self.program.rows)
+        found = self._lagrangian(ca.MX(1.0), share, multipliers)
+        return ca.Function("curvature", [self.x, share, multipliers], [found])
+
+    def _lagrangian(self, factor: Any, curved: Any, multipliers: Any) -> Any:
+        layout = self.program.functions.layout
+        on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, self.program.points.count)
+        return ca.triu(self._curvature(on_outputs + curved * self._torque_slope(self._o), factor))
 
     def _curvature(self, on_outputs: Any, factor: Any) -> Any:
         """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""

@@ -65,7 +65,11 @@ class Relaxation:
 
     def imposes(self, imposed: list[ImposedBound]) -> bool:
         """Whether a default is among the imposed bounds, so that a failure may be its own, and there is a way back."""
-        return self.allowed and self.before is not None and any(is_rate(self.trans, item.phase, item.bound) for item in imposed)
+        return (
+            self.allowed
+            and self.before is not None
+            and any(is_rate(self.trans, item.phase, item.bound) for item in imposed)
+        )
 
     def restart(self) -> Before | None:
         """After a failure: the bound a step further, and where to go on from; None where it is a user's."""

@@ -47,7 +47,7 @@ def solve_sqp(
     """
     begin = time.perf_counter()
     assembly = Assembly(program)
-    first_order, exact = Caller(assembly.first_order), Caller(assembly.hessian)
+    first_order, curvature = Caller(assembly.first_order), Caller(assembly.curvature)
     ready = time.perf_counter()
     x, lam = start.copy(), multipliers.copy()
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
@@ -62,10 +62,10 @@ def solve_sqp(
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:
-            H = _lifted(exact, x, np.zeros(0), 1.0, lam)
+            H = _lifted(curvature, x, 1.0, lam)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            H = _lifted(Caller(assembly.convex), x)
+            H = _lifted(curvature, x, 0.0, 0.0)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:
             status = "Quadratic_Program_Failed"
