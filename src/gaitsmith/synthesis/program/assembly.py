@@ -105,7 +105,7 @@ class Assembly:
 
     @cached_property
     def curvature(self) -> Any:
-        """(x, share, multipliers) -> the same with a share of the torques' own curvature; without both never negative."""
+        """(x, share, multipliers) -> the same with a share of the torques' curvature; never negative without both."""
         share, multipliers = ca.MX.sym("share"), ca.MX.sym("lam_g", self.program.rows)
         found = self._lagrangian(ca.MX(1.0), share, multipliers)
         return ca.Function("curvature", [self.x, share, multipliers], [found])
