@@ -30,7 +30,7 @@ def test_standing_falling_and_not_run_look_different():
 
 def test_survivors_are_shaded_by_recovery_and_those_that_never_were_calm_are_marked():
     made = draw_push_map("", [[10.0, 10.0, 10.0, 2.0]], 10.0, [[0.5, 2.4, np.nan, np.nan]])
-    assert len({cell.get_facecolor() for cell in _cells(made)}) == 4
+    assert len({cell.get_facecolor() for cell in _cells(made)}) == 3
     assert sum(line.get_marker() == "x" for line in made.axes[0].lines) == 1
 
 

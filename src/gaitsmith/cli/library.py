@@ -10,7 +10,7 @@ from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, NOT_SOLVED, Outcome, Table, Text
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments.options import Address, Engine, Jobs
+from gaitsmith.experiments.options import Address, Jobs, Where
 from gaitsmith.work.workers import address_of
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class BuildArguments(Arguments):
     spec: Annotated[str, Positional("Grid: robot, speed, step_height, period, settings (TOML)", metavar="SPEC")]
     out: Annotated[str, About("Folder of the library", metavar="DIR")]
     jobs: Jobs = 1
-    engine: Engine = "local"
+    engine: Where = "local"
     address: Address = None
 
 

@@ -10,7 +10,7 @@ from pydantic import Field
 from gaitsmith.cli.arguments import Arguments, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, NOT_SOLVED, Outcome, Text
 from gaitsmith.documents import About
-from gaitsmith.experiments.options import Address, Engine, Jobs, Preset, RobotName
+from gaitsmith.experiments.options import Address, Jobs, Preset, RobotName, Where
 from gaitsmith.work.workers import address_of
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class TuneArguments(Arguments):
     held_out: Annotated[int, Field(ge=4, le=10_000), About("Walks that the best is judged by", metavar="N")] = 64
     seed: Annotated[int, Field(ge=0, lt=2**31), About("Seed of the candidates and the walks", metavar="N")] = 0
     jobs: Jobs = 1
-    engine: Engine = "local"
+    engine: Where = "local"
     address: Address = None
     out: Annotated[str, About("Folder of results; walks found there are not repeated", metavar="DIR")] = "runs/tune"
 

@@ -11,7 +11,7 @@ from gaitsmith.documents import About, Frozen
 RobotName = Annotated[str, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH")]
 Preset = Annotated[str, About("Control parameters of the card", metavar="NAME")]
 Jobs = Annotated[int, Field(ge=1, le=256), About("Processes", metavar="N")]
-Engine = Annotated[Literal["local", "ray"], About("Where it runs: processes of this machine, or a Ray cluster")]
+Where = Annotated[Literal["local", "ray"], About("Where it runs: processes of this machine, or a Ray cluster")]
 Address = Annotated[str | None, About("Of the Ray cluster's head", metavar="HOST:PORT", absent="none")]
 _Set = Annotated[str, About("Set of trials and grids of the package, or a TOML file", metavar="NAME_OR_FILE")]
 _Robot = Annotated[
@@ -150,7 +150,7 @@ class CrashOptions(Frozen):
     ] = (0.1,)
     tour: Annotated[int, Field(ge=0, le=10_000), About("Run ids of the public teleoperation test too", metavar="N")] = 0
     jobs: Jobs = 1
-    engine: Engine = "local"
+    engine: Where = "local"
     address: Address = None
     out: _Folder = "runs/crash"
 

@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from gaitsmith.experiments.crash import PARTS, rows_of
+from gaitsmith.experiments.crash import rows_of
+from gaitsmith.experiments.options import CrashOptions
 from gaitsmith.experiments.random_walks import DRAWN
 from gaitsmith.files import write_text_atomic
 from gaitsmith.reports.page import Page
@@ -60,8 +61,9 @@ def crash_page(document: Mapping[str, Any], picture: Figure | None = None) -> st
             for e in document["faults"]
             if e["survived"] < e["of"]
         ]
-        page.text(f"{len(document['faults'])} combinations of component, type and duration; those that felled it:")
-        page.table(("component", "type", "duration, ms", "stood", "reaction"), rows, left=(0, 1, 4))
+        page.text(f"{len(document['faults'])} combinations of component, type and duration; {len(rows)} felled it.")
+        if rows:
+            page.table(("component", "type", "duration, ms", "stood", "reaction"), rows, left=(0, 1, 4))
     if document["terrain"]:
         page.heading("Other ground")
         grounds = [(entry["what"], f"{entry['survived']} of {entry['of']}") for entry in document["terrain"]]
@@ -77,8 +79,9 @@ def crash_page(document: Mapping[str, Any], picture: Figure | None = None) -> st
 def command(document: Mapping[str, Any]) -> str:
     """The command line that makes the document again."""
     asked, words = document["asked"], ["gaitsmith", "bench", "crash"]
+    usual = CrashOptions().model_dump(mode="json")
     for name, value in asked.items():
-        if value is None or (name == "only" and set(value) in (set(), set(PARTS))) or (name == "tour" and not value):
+        if value == usual[name] and name != "robot":
             continue
         if name == "only":
             words += [word for part in value for word in ("--only", part)]
@@ -125,7 +128,7 @@ def _episodes(page: Page, episodes: Mapping[str, Any]) -> None:
     page.text(f"Each draws, from its seed: {DRAWN}.", "muted")
     causes: dict[str, list[int]] = {}
     for fall in episodes["falls"]:
-        causes.setdefault(fall["cause"].split(" of ")[0], []).append(fall["seed"])
+        causes.setdefault(fall["cause"].split(" of ")[0].split(",")[0], []).append(fall["seed"])
     ordered = Counter({cause: len(seeds) for cause, seeds in causes.items()}).most_common()
     rows = [(cause, str(count), ", ".join(map(str, causes[cause][:12]))) for cause, count in ordered]
     if rows:

@@ -8,7 +8,6 @@ from matplotlib.artist import Artist
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_hex
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.projections.polar import PolarAxes
 
@@ -16,6 +15,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.view.canvas import LEFT, LIMIT, figure
 
 _HUB = 0.35  # share of the radius left free in the middle, so that the inner cells can be seen
+_LEVELS = 8  # of a scale
 _FELL, _LATE = "#D55E00", "#F6D7B8"  # at once, and just before the end
 _STOOD, _SLOW, _NOT_RUN = LEFT, "#C6DDEE", "#FFFFFF"
 
@@ -46,39 +46,31 @@ def draw_push_map(
     with figure(f"{title}: {np.count_nonzero(stood)} of {np.count_nonzero(run)} survived", 6.4) as made:
         axis = made.add_subplot(projection="polar")
         assert isinstance(axis, PolarAxes)
-        shades = LinearSegmentedColormap.from_list("fall", [_FELL, _LATE])
+        shades = LinearSegmentedColormap.from_list("fall", [_FELL, _LATE], _LEVELS)
         n_directions, n_phases = times.shape
         width, height = 2.0 * np.pi / n_directions, (1.0 - _HUB) / n_phases
-        calm = LinearSegmentedColormap.from_list("calm", [_STOOD, _SLOW])
-        again = None if recovered is None else np.asarray(recovered, dtype=np.float64)
-        slowest = 1.0 if again is None or not np.any(np.isfinite(again)) else float(np.ceil(np.nanmax(again)))
+        again = np.full(times.shape, np.nan) if recovered is None else np.asarray(recovered, dtype=np.float64)
+        calm = _calm(again[stood])
+        tints = np.zeros((*times.shape, 4)) if calm is None else calm.to_rgba(again)
         for (i, k), time in np.ndenumerate(times):
-            colour = _STOOD if again is None else to_hex(calm(float(np.nan_to_num(again[i, k] / slowest, nan=1.0))))
+            place = (np.radians(offset) + i * width, height, width, _HUB + k * height)
+            colour = _STOOD
             if not stood[i, k]:
                 colour = to_hex(shades(float(time / limit))) if run[i, k] else _NOT_RUN
-            place = (np.radians(offset) + i * width, height, width, _HUB + k * height)
+            elif calm is not None:
+                colour = to_hex(tuple(tints[i, k].tolist())) if np.isfinite(again[i, k]) else _SLOW
             axis.bar(*place, color=colour, edgecolor="white", linewidth=1.0, zorder=2)
         _label(axis, n_directions, offset)
         marks: list[Artist] = []
-        if again is not None and np.any(np.isfinite(again[stood])):
-            scale = ScalarMappable(Normalize(0.0, slowest), calm)
-            made.colorbar(
-                scale,
-                ax=axis,
-                label=f"upright for {limit:g} s, recovered after, s",
-                shrink=0.6,
-                pad=0.02 if np.any(~stood) else 0.12,
-            )
-        else:
+        if calm is None:
             marks.append(Patch(facecolor=_STOOD, label=f"upright for {limit:g} s"))
-        if again is not None and np.any(stood & ~np.isfinite(again)):
-            for i, k in np.argwhere(stood & ~np.isfinite(again)):
-                axis.plot(
-                    np.radians(offset) + i * width, _HUB + (k + 0.5) * height, "x", color="black", ms=5.0, zorder=4
-                )
-            marks.append(
-                Line2D([], [], color="black", marker="x", ls="", label="upright, but never calm, or the legs touched")
-            )
+        else:
+            made.colorbar(calm, ax=axis, label=f"upright for {limit:g} s, recovered after, s", shrink=0.6, pad=0.12)
+        never = np.argwhere(stood & ~np.isfinite(again))
+        if len(never) and recovered is not None:
+            places = [(np.radians(offset) + i * width, _HUB + (k + 0.5) * height) for i, k in never]
+            label = "upright, but never calm, or the legs touched"
+            marks += axis.plot(*np.transpose(places), "x", color="black", ms=5.0, zorder=4, label=label)
         if not run.all():
             marks.append(Patch(facecolor=_NOT_RUN, edgecolor=LIMIT, label="not run"))
         if n_phases % 2 == 0:  # the right stance begins half way
@@ -90,6 +82,17 @@ def draw_push_map(
             made.colorbar(scale, ax=axis, label="fell after the push, s", shrink=0.6, pad=0.12)
         made.legend(handles=marks, loc="outside lower right")
     return made
+
+
+def _calm(seconds: npt.NDArray[np.float64]) -> ScalarMappable | None:
+    """Shades of recovery times, s, in half seconds from the shortest to the longest; None without any."""
+    known = seconds[np.isfinite(seconds)]
+    if not known.size:
+        return None
+    least = np.floor(2.0 * known.min()) / 2.0
+    most = max(np.ceil(2.0 * known.max()) / 2.0, least + 0.5)
+    levels = min(max(round(2.0 * (most - least)), 2), _LEVELS)
+    return ScalarMappable(Normalize(least, most), LinearSegmentedColormap.from_list("calm", [_STOOD, _SLOW], levels))
 
 
 def _label(axis: PolarAxes, n_directions: int, offset: float) -> None:
