@@ -6,7 +6,7 @@ import pytest
 
 from gaitsmith.robots import load_robot
 from gaitsmith.simulation import Scenario
-from gaitsmith.simulation.diagnosis import suspects
+from gaitsmith.simulation.diagnosis import suspects, weak_push
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.reactions import Reaction
 from gaitsmith.simulation.replay import why
@@ -28,6 +28,18 @@ def test_a_push_goes_before_the_limits_that_it_makes_the_robot_hit():
 def test_a_push_long_ago_is_no_cause():
     pushed = Scenario(pushes=(Push(time=1.0, impulse=(0.0, 60.0, 0.0)),))
     assert "push" not in kinds(pushed, [("legs touching each other", 9.0)], pushes=(1.0,), fell=9.5)
+
+
+def test_a_push_that_any_walk_withstands_comes_after_uneven_ground():
+    both = {"terrain": "boxes:0.05", "state": "estimated"}
+    for size, first in ((60.0, "push"), (3.0, "terrain")):
+        scenario = Scenario(pushes=(Push(time=3.0, impulse=(0.0, size, 0.0)),), **both)
+        found = suspects(scenario, LIMITS, (3.0,), (), 0.0, 3.6, weak_push(ROBOT))
+        assert [suspect.kind for suspect in found if suspect.kind in ("push", "terrain", "estimated")] == [
+            first,
+            *({"push", "terrain"} - {first}),
+            "estimated",
+        ]
 
 
 def test_the_latest_push_first():

@@ -5,6 +5,7 @@ What comes from outside goes before what the robot's own limits did about it: wh
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from gaitsmith.simulation.reactions import Reaction
@@ -14,7 +15,10 @@ from gaitsmith.simulation.terrain import SLOPE_START, parse_terrain
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from gaitsmith.robots import Robot
+
 _BEFORE = 0.6  # s before the first limit in which a disturbance counts as its cause
+_WEAK = 0.1  # m√(gH)
 _AFTER_PUSH = 3.0  # s for which a push may be felt
 _NOT_READ = ("balance", "controller")  # of what reactions are about
 _NEAR = 0.4  # m before a slope at which a foot may already stand on it
@@ -50,6 +54,7 @@ def suspects(
     reactions: Sequence[Reaction],
     place: float,
     fell: float,
+    weak: float = 0.0,
 ) -> list[Suspect]:
     """What may have caused a fall, the likeliest first.
 
@@ -60,16 +65,18 @@ def suspects(
         reactions: of the controller.
         place: x of the torso when it was upright last, m.
         fell: s.
+        weak: impulse below which a push is less likely than uneven ground or a plant that differs, N·s.
     """
     onset = min([when for _, when in hits], default=fell)
     stopped = [Suspect("controller", f"the controller {e.type}") for e in reactions if e.component == "controller"]
-    found = [*stopped, *_failed(scenario, onset, fell), *_pushed(scenario, pushes, onset, fell)]
+    pushed = [_pushed(scenario, pushes, onset, fell, *span) for span in ((weak, math.inf), (0.0, weak))]
+    found = [*stopped, *_failed(scenario, onset, fell), *pushed[0]]
     slips = [(name, when) for name, when in hits if "slipping" in name]
     slippery = scenario.friction < _USUAL_FRICTION or scenario.terrain.startswith("ice")
     if slips and slippery:
         found.append(_friction(scenario, slips))
     found += _ground(scenario, place)
-    found += _plant(scenario)
+    found += [*_plant(scenario), *pushed[1]]
     if slippery and not slips:
         found.append(_friction(scenario, slips))
     if slips and not slippery:
@@ -98,13 +105,22 @@ def _noticed(scenario: Scenario, reactions: Sequence[Reaction], onset: float, fe
     return [Suspect("reading", f"{seen[0].component}, {seen[0].type} at {seen[0].time:.3f} s")]
 
 
-def _pushed(scenario: Scenario, pushes: Sequence[float | None], onset: float, fell: float) -> list[Suspect]:
-    """Pushes, the latest first."""
+def weak_push(robot: Robot) -> float:
+    """Impulse that a walk on level ground withstands with ease, N·s; 0.1 m√(gH)."""
+    gravity = -float(robot.model.opt.gravity[2])
+    return _WEAK * robot.mass * math.sqrt(gravity * robot.card.gait.height)
+
+
+def _pushed(
+    scenario: Scenario, pushes: Sequence[float | None], onset: float, fell: float, least: float, most: float
+) -> list[Suspect]:
+    """Pushes of at least one and less than another size, N·s, the latest first."""
     found = []
     for push, began in zip(scenario.pushes, pushes, strict=False):
         if began is not None and began <= fell and began + push.duration >= onset - _AFTER_PUSH:
             size = sum(part * part for part in push.impulse) ** 0.5
-            found.append((began, Suspect("push", f"push of {size:.1f} N·s at {began:.3f} s")))
+            if least <= size < most:
+                found.append((began, Suspect("push", f"push of {size:.1f} N·s at {began:.3f} s")))
     return [suspect for _, suspect in sorted(found, key=lambda entry: -entry[0])]
 
 
