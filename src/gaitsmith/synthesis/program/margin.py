@@ -19,6 +19,7 @@ MARGIN = 1e-3  # share of a bound's range
 SLACK = 0.8 * MARGIN  # of what is drawn in: the rest is for what lies between the instants of the dense grid
 EXACT = 1e-6  # share of the range, of a bound without a margin: what the solver leaves
 TOUCHING = 4e-6  # the same of a sole that leaves or meets the ground
+TURNING = 6e-7  # rad, of a sole that turns about its edge and comes to lie flat
 _STEEPER = 1.02  # the profile that the swing sole is held above, relative to the one that it must not sink below
 _LEFT = 0.2  # of a range, which margins leave at least
 _ON = 1e-9
@@ -39,7 +40,7 @@ def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> Pha
         form[place] = form.get(place, 0.0) + share
         return replace(bound, out=out, inp=inp, slack=SLACK)
     if bound.interior:
-        return replace(bound, rise=bound.rise * _STEEPER, slack=TOUCHING)
+        return replace(bound, rise=bound.rise * _STEEPER, slack=TURNING if bound.sine else TOUCHING)
     met = any(
         isinstance(item, At)
         and item.quantity == bound.name
