@@ -11,8 +11,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from gaitsmith.cache_folder import private_folder
 from gaitsmith.compiled import cache, kernel
-from gaitsmith.compiled.cache import private_folder, source_key
+from gaitsmith.compiled.cache import source_key
 from gaitsmith.control.tick import tick
 from gaitsmith.errors import CacheRefused
 

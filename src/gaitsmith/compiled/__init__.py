@@ -7,5 +7,4 @@ from gaitsmith.compiled.binding import IntVector as IntVector
 from gaitsmith.compiled.binding import Matrix as Matrix
 from gaitsmith.compiled.binding import Vector as Vector
 from gaitsmith.compiled.binding import bind as bind
-from gaitsmith.compiled.cache import cache_root as cache_root
 from gaitsmith.compiled.cache import kernel as kernel

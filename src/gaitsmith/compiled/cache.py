@@ -8,12 +8,9 @@ together with the versions that decide what machine code comes out.
 from __future__ import annotations
 
 import ast
-import contextlib
 import functools
 import hashlib
-import os
 import platform
-import stat
 import sys
 import warnings
 from collections.abc import Callable
@@ -26,50 +23,11 @@ from numba.core import config as numba_config
 from numba.core import types
 from numba.extending import typeof_impl
 
-from gaitsmith.errors import CacheRefused
+from gaitsmith.cache_folder import cache_root, private_folder
 
 _PACKAGE = "gaitsmith"
 _PACKAGE_ROOT = Path(__file__).resolve().parent.parent
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-
-
-def cache_root() -> Path:
-    """Folder of compiled kernels: ``$GAITSMITH_CACHE_DIR``, else ``$XDG_CACHE_HOME/gaitsmith``."""
-    chosen = os.environ.get("GAITSMITH_CACHE_DIR")
-    if chosen:
-        return Path(chosen).expanduser()
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / _PACKAGE
-
-
-def private_folder(folder: Path) -> Path:
-    """Create ``folder`` with mode 0700, or check that an existing one is a folder only we can write.
-
-    Raises:
-        CacheRefused: somebody else owns it, others may write to it, or it is a link.
-        OSError: it cannot be created.
-    """
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with contextlib.suppress(FileExistsError):
-        folder.mkdir(mode=0o700)
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode):
-        raise CacheRefused(
-            f"cache folder {folder}: not a plain folder; remove it or set GAITSMITH_CACHE_DIR to a folder of your own"
-        )
-    if hasattr(os, "getuid") and found.st_uid != os.getuid():
-        raise CacheRefused(
-            f"cache folder {folder}: owned by user {found.st_uid}, expected {os.getuid()}; "
-            "set GAITSMITH_CACHE_DIR to a folder of your own"
-        )
-    if found.st_mode & 0o077:
-        if found.st_mode & 0o022:
-            raise CacheRefused(
-                f"cache folder {folder}: mode {stat.S_IMODE(found.st_mode):04o} lets others write, expected 0700; "
-                f"remove the folder, its content cannot be trusted"
-            )
-        folder.chmod(0o700)
-    return folder
 
 
 def _module_file(module: str) -> Path | None:

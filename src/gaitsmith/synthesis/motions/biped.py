@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Leg, Robot
 from gaitsmith.robots.sole import Sole
 from gaitsmith.synthesis.motions.motion import Contact, Phase, Side
+from gaitsmith.synthesis.motions.standing import standing_joints
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -259,7 +259,7 @@ def _standing(biped: Biped, height: float | None = None) -> Array:
     """(N,) standing posture of all joints."""
     height = biped.height * (1.0 - REST) if height is None else height
     sole = biped.robot.legs[0].sole
-    return standing_posture(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)[7:]
+    return standing_joints(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)
 
 
 def standing(biped: Biped, height: float | None = None) -> Array:

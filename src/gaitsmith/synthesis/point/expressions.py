@@ -15,14 +15,7 @@ import numpy as np
 from gaitsmith.dynamics import symbolic
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Side, opposite
-from gaitsmith.synthesis.point.layout import PointLayout
-
-KINDS = ("value", "jacobian", "hessian")
-
-
-def sides_of(biped: Biped) -> tuple[Side, ...]:
-    """The support feet that need functions of their own: one stands for both in a robot that is its mirror image."""
-    return ("right",) if biped.symmetric else ("right", "left")
+from gaitsmith.synthesis.point.layout import PointLayout, sides_of
 
 
 def point_expressions(biped: Biped) -> list[Any]:

@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.point.caller import Caller
-from gaitsmith.synthesis.point.expressions import KINDS, point_expressions
-from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.point.layout import KINDS, PointLayout
 from gaitsmith.synthesis.point.library import point_library
 
 _KEPT = 64  # mapped functions that are remembered
@@ -97,6 +96,10 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
         CacheRefused: the cache folder is not the owner's alone.
     """
     loaded, spent = point_library(biped, notify or (lambda _: None))
-    functions = point_expressions(biped) if loaded is None else loaded
-    sides = tuple((functions[k], functions[k + 1], functions[k + 2]) for k in range(0, len(functions), 3))
-    return PointFunctions(PointLayout(biped.joints), sides, loaded is not None, spent)
+    compiled = loaded is not None
+    if loaded is None:
+        from gaitsmith.synthesis.point.expressions import point_expressions
+
+        loaded = point_expressions(biped)
+    sides = tuple((loaded[k], loaded[k + 1], loaded[k + 2]) for k in range(0, len(loaded), 3))
+    return PointFunctions(PointLayout(biped.joints), sides, compiled, spent)

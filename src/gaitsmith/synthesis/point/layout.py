@@ -6,6 +6,17 @@ frame is mirrored (y to the right), so that the swing foot always lies at positi
 
 from __future__ import annotations
 
+from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import Side
+
+KINDS = ("value", "jacobian", "hessian")
+"""The functions of a point."""
+
+
+def sides_of(biped: Biped) -> tuple[Side, ...]:
+    """The support feet that need functions of their own: one stands for both in a robot that is its mirror image."""
+    return ("right",) if biped.symmetric else ("right", "left")
+
 
 class PointLayout:
     """Indices for a robot of n joints; of a vector its first entry.

@@ -18,13 +18,15 @@ from typing import Any
 
 import casadi as ca
 
-from gaitsmith.compiled.cache import cache_root, private_folder
-from gaitsmith.dynamics import rotation, symbolic
+from gaitsmith.cache_folder import cache_root, private_folder
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.point import expressions
-from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.point.layout import KINDS, PointLayout, sides_of
 
 _OPTIONS = ("-O1", "-fPIC", "-shared", "-fno-math-errno")
+_HERE = Path(__file__).resolve().parent
+_DYNAMICS = _HERE.parents[1] / "dynamics"
+_SOURCES = (_HERE / "expressions.py", _HERE / "layout.py", _DYNAMICS / "symbolic.py", _DYNAMICS / "rotation.py")
+"""What decides the expressions; they are imported only to be compiled, and numba with them."""
 _SLOWER = "about four times slower, with the same answers"
 
 
@@ -56,7 +58,9 @@ def point_library(biped: Biped, tell: Callable[[str], None]) -> tuple[list[Any] 
             return _loaded(library, biped), 0.0
         with tempfile.TemporaryDirectory(dir=folder, prefix="build-", ignore_cleanup_errors=True) as scratch:
             tell("compiling the robot's dynamics, once (about a minute)")
-            library = _compiled(expressions.point_expressions(biped), compiler, Path(scratch))
+            from gaitsmith.synthesis.point.expressions import point_expressions
+
+            library = _compiled(point_expressions(biped), compiler, Path(scratch))
             digest = hashlib.sha256(library.read_bytes()).hexdigest()
             library = library.replace(folder / f"{digest}.so")
         return _loaded(library, biped), time.perf_counter() - begin
@@ -82,8 +86,8 @@ def _key(biped: Biped, compiler: str) -> str:
     sizes = f"{layout.inputs} {layout.outputs} {layout.wrench}"
     for part in (version("casadi"), compiler, " ".join(_OPTIONS), os.uname().machine, sizes):
         digest.update(part.encode())
-    for source in (expressions.__file__, symbolic.__file__, rotation.__file__):
-        digest.update(Path(source).read_bytes())
+    for source in _SOURCES:
+        digest.update(source.read_bytes())
     return digest.hexdigest()[:20]
 
 
@@ -97,8 +101,7 @@ def _kept(folder: Path) -> Path | None:
 
 
 def _loaded(library: Path, biped: Biped) -> list[Any]:
-    sides = expressions.sides_of(biped)
-    return [ca.external(f"{kind}_{side}", str(library)) for side in sides for kind in expressions.KINDS]
+    return [ca.external(f"{kind}_{side}", str(library)) for side in sides_of(biped) for kind in KINDS]
 
 
 def _compiled(functions: list[Any], compiler: str, scratch: Path) -> Path:

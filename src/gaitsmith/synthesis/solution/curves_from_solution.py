@@ -23,6 +23,7 @@ PARTS = 4  # pieces a section of double support is cut into
 _NEWTON = 8
 _CLOSED, _FAR = 1e-8, 0.2  # m or rad left of a gap; largest correction of a joint, rad
 _SAMPLES = 20  # Chebyshev nodes a piece
+_TRIFLE = 1e-11  # of the largest coefficient; a ZMP that stays on an edge is proved there to 1e-9 of the sole
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 
 
@@ -187,6 +188,6 @@ def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]
 def _trimmed(series: Array) -> Array:
     """Series without trailing coefficients that are all negligible."""
     size = np.abs(series).max(axis=0)
-    floor = 1e-9 * max(float(size.max()), 1.0)
+    floor = _TRIFLE * max(float(size.max()), 1.0)
     keep = np.flatnonzero(size > floor)
     return series[:, : (int(keep[-1]) + 1 if len(keep) else 1)].copy()
