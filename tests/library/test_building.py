@@ -14,7 +14,7 @@ import gaitsmith
 from gaitsmith.errors import BadInput
 from gaitsmith.library.building import build, frozen, thawed
 from gaitsmith.library.family import Family
-from gaitsmith.library.folder import Folder
+from gaitsmith.library.folder import Folder, _signed, _text, digest
 from gaitsmith.library.spec import checked_spec, key_of
 from gaitsmith.robots import load_robot
 
@@ -94,12 +94,48 @@ def test_an_edited_library_is_refused_in_one_line(library, tmp_path, name, chang
     content = path.read_bytes()
     assert change[0] in content
     path.write_bytes(content.replace(*change, 1))
-    with pytest.raises(BadInput, match=word) as error:
+    for look in (folder.records, lambda: Family(folder, load_robot("thbip_ii"))):
+        with pytest.raises(BadInput, match=word) as error:
+            look()
+        assert "\n" not in str(error.value)
+
+
+def signed(path, change):
+    """A file of a library edited by somebody who knows how its checksum is made."""
+    data = json.loads(path.read_text())
+    del data["checksum"]
+    change(data)
+    path.write_text(_signed(data))
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "word"),
+    [
+        ("index.json", lambda data: data.update(base="start"), "other points"),
+        ("index.json", lambda data: data.update(base="../../x"), "other points"),
+        ("index.json", lambda data: data["records"].pop("start"), "other points"),
+        ("library.json", lambda data: data["spec"]["speed"].__setitem__(0, 0.21), "another step"),
+        ("library.json", lambda data: data["spec"]["period"].__setitem__(0, 0.61), "another step"),
+    ],
+)
+def test_a_library_whose_parts_do_not_agree_is_refused(library, tmp_path, name, change, word):
+    folder = copied(library, tmp_path)
+    signed(tmp_path / name, change)
+    with pytest.raises(BadInput, match=word):
+        folder.records()
+
+
+def test_a_gait_of_another_step_is_refused(library, tmp_path):
+    folder = copied(library, tmp_path)
+    gait, path = (tmp_path / "gaits/001-000-001.json").read_bytes(), tmp_path / "points/000-000-000.json"
+    (tmp_path / "gaits/000-000-000.json").write_bytes(gait)
+    path.write_text(_text(json.loads(path.read_text()) | {"gait": digest(gait)}))
+    signed(tmp_path / "index.json", lambda data: data["records"].update({path.stem: digest(path.read_bytes())}))
+    with pytest.raises(BadInput, match="another step"):
         Family(folder, load_robot("thbip_ii"))
-    assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("name", ["library.json", "index.json", "points/001-000-000.json", "gaits/start.json"])
+@pytest.mark.parametrize("name", ["library.json", "index.json", "points/001-000-000.json", "gaits/001-000-001.json"])
 def test_a_cut_library_is_refused_in_one_line(library, tmp_path, name):
     folder = copied(library, tmp_path)
     content = (tmp_path / name).read_bytes()

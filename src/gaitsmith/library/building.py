@@ -93,11 +93,11 @@ def plan_end(spec: str, point: Index, which: str, goal: tuple[Any, Any, Any]) ->
 
 def _finished(made: _Made, found: PlanResult, origin: str) -> Done:
     if found.gait is None:
-        return Record(status="failed", reason=found.reason[:2000], iterations=found.iterations), b"", b""
+        return Record(status="failed", reason=found.reason[:2000], iterations=found.iterations, origin=origin), b"", b""
     verdict = verify(found.gait, made.planner.biped.robot)
     if not verdict.ok:
         text = "; ".join(verdict.problems[:2])[:2000]
-        return Record(status="failed", reason=text, iterations=found.iterations), b"", b""
+        return Record(status="failed", reason=text, iterations=found.iterations, origin=origin), b"", b""
     gait = (json.dumps(gait_document(found.gait), separators=(",", ":")) + "\n").encode()
     warm = frozen(found)
     record = Record(

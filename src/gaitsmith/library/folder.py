@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -161,34 +163,47 @@ class Folder:
         return checked_spec(head.spec, f"{self.path / 'library.json'}: spec"), head.robot_hash
 
     def records(self) -> dict[str, Record]:
-        """All records so far, by key.
+        """Records of all points so far, by key; of a finished library as :meth:`whole`.
 
         Raises:
-            BadInput: as :meth:`spec`, or a record that cannot be read.
+            BadInput: as :meth:`spec`, or a record that cannot be read or was edited.
         """
+        if os.path.lexists(self.path / "index.json"):
+            return {key: record for key, record in self.whole()[1].items() if key not in (START, STOP)}
         keys = [key_of(point) for point in self.spec()[0].points]
-        return {key: self._record(key) for key in keys if (self.path / "points" / f"{key}.json").is_file()}
+        return {key: self._record(key) for key in keys if os.path.lexists(self.path / "points" / f"{key}.json")}
 
     def whole(self) -> tuple[str, dict[str, Record]]:
         """Key of the gait that start and stop belong to (empty if none could be planned), and every record.
 
         Raises:
-            BadInput: the library is not finished, or was edited.
+            BadInput: the library is not finished, or a record or gait file was edited.
         """
-        if not (self.path / "index.json").is_file():
-            self.spec()
+        spec, _ = self.spec()
+        if not os.path.lexists(self.path / "index.json"):
             valid = "a finished library"
             raise BadInput(str(self.path), "no index.json", valid, "the command that built it goes on where it stopped")
-        index, found = self._read("index.json", _Index), dict[str, Record]()
-        for key, expected in index.records.items():
-            path = self.path / "points" / f"{Path(key).name}.json"
-            if digest(read_bounded(path, _LIMIT)) != expected:
-                raise BadInput(str(path), "another content", "the one that was planned", f"edited; {_REMEDY}")
-            found[key] = self._record(Path(key).name)
-        wanted = {key_of(point) for point in self.spec()[0].points}
-        if not wanted <= set(found) <= wanted | {START, STOP} or (index.base and index.base not in found):
+        index = self._read("index.json", _Index)
+        wanted = {key_of(point) for point in spec.points}
+        ends = {START, STOP} if index.base else set()
+        if set(index.records) != wanted | ends or (index.base and index.base not in wanted):
             raise BadInput(str(self.path / "index.json"), "other points", "those of library.json", _REMEDY)
+        found = {key: self._whole(key, expected) for key, expected in index.records.items()}
+        for point in spec.points:
+            record = found[key_of(point)]
+            if record.certified and not _is_at(record.parameters, spec.place(point)):
+                raise BadInput(f"{self.path}: {key_of(point)}", "another step", "the grid's", f"edited; {_REMEDY}")
         return index.base, found
+
+    def _whole(self, key: str, expected: str) -> Record:
+        """A record with this hash, whose gait file is as it was written."""
+        path = self.path / "points" / f"{key}.json"
+        if digest(read_bounded(path, _LIMIT)) != expected:
+            raise BadInput(str(path), "another content", "the one that was planned", f"edited; {_REMEDY}")
+        record = self._record(key)
+        if record.certified:
+            self._content(key, record)
+        return record
 
     def gait(self, key: str, record: Record) -> Gait:
         """A gait.
@@ -196,10 +211,17 @@ class Folder:
         Raises:
             BadInput: its file is not the one that was planned.
         """
+        self._content(key, record)
+        gait, _ = read_gait(self._gait(key))
+        if gait.motion.parameters != record.parameters:
+            raise BadInput(str(self._gait(key)), "another step", "the one of its record", f"edited; {_REMEDY}")
+        return gait
+
+    def _content(self, key: str, record: Record) -> None:
+        """Refuse a gait file that is not the one that was planned."""
         path = self._gait(key)
         if digest(read_bounded(path, _GAIT)) != record.gait:
             raise BadInput(str(path), "another content", "the one that was planned", f"edited; {_REMEDY}")
-        return read_gait(path)[0]
 
     def _gait(self, key: str) -> Path:
         return self.path / "gaits" / f"{key}.json"
@@ -225,6 +247,14 @@ class Folder:
         if digest(_text(kept).encode()) != found.checksum:
             raise BadInput(f"{path}: checksum", found.checksum[:16], "the content's own", f"edited; {_REMEDY}")
         return found
+
+
+def _is_at(step: dict[str, float], place: dict[str, float]) -> bool:
+    """Whether a step is the one of a place in the grid."""
+    if not {"length", "period", "height"} <= step.keys():
+        return False
+    own = {"speed": step["length"] / step["period"], "step_height": step["height"], "period": step["period"]}
+    return all(math.isclose(own[name], value, rel_tol=1e-6) for name, value in place.items())
 
 
 def _parsed(path: Path) -> Any:
