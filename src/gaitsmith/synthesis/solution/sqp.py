@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
@@ -62,10 +61,12 @@ def solve_sqp(
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:
-            H = _lifted(curvature, x, 1.0, lam)
+            curvature(x, 1.0, lam, _PROXIMAL)
+            H = curvature.matrix(0)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            H = _lifted(curvature, x, 0.0, 0.0)
+            curvature(x, 0.0, 0.0, _PROXIMAL)
+            H = curvature.matrix(0)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:
             status = "Quadratic_Program_Failed"
@@ -85,13 +86,6 @@ def solve_sqp(
         previous = size
         x = x + step * min(1.0, _STEP / size)
     return Solution(x, solved, status, iteration, ready - begin, lam)
-
-
-def _lifted(upper: Caller, *arguments: Array | float) -> sp.csc_matrix:
-    """A Hessian from its upper triangle, with a little curvature added."""
-    upper(*arguments)
-    U = upper.matrix(0)
-    return sp.csc_matrix(U + sp.triu(U, 1).T + _PROXIMAL * sp.eye_array(U.shape[0]))
 
 
 def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, float]:
