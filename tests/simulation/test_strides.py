@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.experiments.made_up import made_up_summary
 from tests.simulation.standing import robot
 
 from gaitsmith.log.columns import Columns
 from gaitsmith.simulation.scenario import Scenario, make_scenario
+from gaitsmith.simulation.stage_table import stride_lines
 from gaitsmith.simulation.strides import CALM, Strides
+from gaitsmith.simulation.summary import StepTimes
 
 DT, STEP, HEIGHT = 1e-2, 40, 0.7
 NAMES = ["mode", "step_count", "command.height", "command.speed_x", "command.speed_y"]
@@ -45,6 +48,18 @@ def test_a_push_is_over_with_the_first_calm_stride_that_no_other_follows():
     assert first == pytest.approx(5 * 0.40, abs=0.02)
     assert second is None
     assert strides.report(True)["recovered"] == (first, None)
+
+
+def test_lines_say_what_became_of_every_push():
+    times = StepTimes(mean=0.36, min=0.2, max=0.4)
+    summary = made_up_summary(pushes=(1.0, 4.0, None), recovered=(0.5, None, None), step_time=times)
+    assert stride_lines(summary) == [
+        "steps of 0.360 s, from 0.200 to 0.400 s",
+        "push 1 at 1.00 s, recovered from after 0.50 s",
+        "push 2 at 4.00 s, not recovered from",
+        "push 3 never began",
+    ]
+    assert stride_lines(made_up_summary()) == []
 
 
 def test_a_fall_is_no_recovery_and_a_planned_gait_has_no_strides():

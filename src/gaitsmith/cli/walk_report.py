@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gaitsmith.cli.dispatch import Styled, Table, Text
-from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row
+from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row, stride_lines
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -63,6 +63,7 @@ def closing_lines(summary: Summary) -> list[str]:
         f"whole-body QP: {qp.solves} solved, {qp.fallbacks} fallbacks, {qp.infeasible} infeasible",
         f"{summary.duration:.2f} s simulated, {summary.realtime_factor:.1f} times real time",
     ]
+    lines += stride_lines(summary)
     if summary.tracking is not None:
         lines += tracking_lines(summary.tracking)
     if summary.log is not None:

@@ -7,7 +7,7 @@ import shlex
 from gaitsmith.reports.page import Page
 from gaitsmith.reports.run import Run
 from gaitsmith.simulation.run_folder import scenario_toml
-from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row
+from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row, stride_lines
 from gaitsmith.simulation.summary import Summary
 from gaitsmith.view import suitable
 
@@ -84,6 +84,8 @@ def numbers(page: Page, summary: Summary) -> None:
         f"{summary.heading_deg[0]:+.1f} to {summary.heading_deg[1]:+.1f}°; soles never closer than "
         f"{100.0 * summary.min_foot_separation:.1f} cm; {summary.leg_contacts} contacts between the legs."
     )
+    if lines := stride_lines(summary):
+        page.text("; ".join(lines).capitalize() + ".")
     tick = summary.tick_us
     if tick.median:
         page.text(

@@ -1,11 +1,11 @@
-"""Stages of a run as rows of a table, for terminals and pages."""
+"""Stages, steps and pushes of a run in words, for terminals and pages."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from gaitsmith.simulation.summary import Stage
+    from gaitsmith.simulation.summary import Stage, Summary
 
 STAGE_HEADINGS = (
     *("time\ns", "commanded\nm/s", "mean v_x\nm/s", "v_x error\nmm/s", "v_y error\nmm/s"),
@@ -29,3 +29,16 @@ def stage_row(stage: Stage) -> tuple[str, ...]:
         f"{1e3 * stage.height_error:+.1f}",
         f"{stage.yaw_rate_error:+.3f}",
     )
+
+
+def stride_lines(summary: Summary) -> list[str]:
+    """Step times, and what became of every push, a line each."""
+    lines, times = [], summary.step_time
+    if times is not None:
+        lines.append(f"steps of {times.mean:.3f} s, from {times.min:.3f} to {times.max:.3f} s")
+    for k, (began, recovered) in enumerate(zip(summary.pushes, summary.recovered, strict=False)):
+        when = "never began" if began is None else f"at {began:.2f} s, not recovered from"
+        if recovered is not None:
+            when = f"at {began:.2f} s, recovered from after {recovered:.2f} s"
+        lines.append(f"push {k + 1} {when}")
+    return lines

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from gaitsmith.log.columns import Columns
 from gaitsmith.simulation.summary import StepTimes
 
 if TYPE_CHECKING:
+    from gaitsmith.log.columns import Columns
     from gaitsmith.robots import Robot
     from gaitsmith.simulation.scenario import Scenario
 
