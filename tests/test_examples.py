@@ -19,6 +19,7 @@ SHORT: dict[str, dict[str, Any]] = {
     "07_plan": {"steps": 4},
     "08_own_motion": {},
     "09_train_policy": {"generations": 1, "population": 2, "episodes": 1, "held_out": 1},
+    "10_tune_with_optuna": {"trials": 2, "runs": 1, "held_out": 1},
 }
 
 
