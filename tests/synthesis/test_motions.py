@@ -7,6 +7,7 @@ from gaitsmith.simulation import Scenario
 from gaitsmith.simulation.episode import Simulation
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
 from gaitsmith.synthesis.files.gait_file import write_gait
+from gaitsmith.synthesis.motions.settings import LEG
 from gaitsmith.synthesis.requests.request import KICK_FRICTION
 
 DISTANCE = 0.03  # m from the plan
@@ -84,3 +85,11 @@ def test_replay_walks_in_physics(dynamic, robot, tmp_path):
     found = run(dynamic.gait, robot, tmp_path, cycles=20, duration=10.0, tracking="replay")
     assert not found.fell, found.fall
     assert abs(found.tracking.distance - found.tracking.planned_distance) < 4.0 * DISTANCE
+
+
+def test_a_walk_s_swing_sole_keeps_clear_by_half_of_the_lift(walk, kick, planner):
+    """Otherwise small errors of tracking make it land early, at another pitch than the plan's."""
+    assert walk.gait.bounds["clearance"] == pytest.approx(0.5 * STEP.height)
+    assert kick.gait.bounds["clearance"] == pytest.approx(Bounds().clearance * planner.biped.height / LEG)
+    low = Settings(bounds=Bounds(clearance=0.001)).sized(planner.biped, 0.3, 0.04)
+    assert low.bounds.clearance == 0.001

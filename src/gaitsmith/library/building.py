@@ -20,7 +20,6 @@ from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.files.gait_file import gait_document
 from gaitsmith.synthesis.motions.biped import REST, Biped, standing
 from gaitsmith.synthesis.motions.catalogue import start, stop
-from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.solution.ipopt import Solution
@@ -58,9 +57,6 @@ class _Made:
     planner: Planner
     motions: dict[Index, Any]
 
-    def settings(self, transfer: float) -> Settings:
-        return self.spec.settings.sized(self.planner.biped, transfer)
-
 
 @cache
 def _made(spec: str) -> _Made:
@@ -72,8 +68,7 @@ def _made(spec: str) -> _Made:
 def plan_point(spec: str, point: Index, origin: str, warm: bytes) -> Done:
     """Plan one point, from a neighbour's result if there is one, else, or if that fails, from nothing."""
     made = _made(spec)
-    step, motion = made.motions[point]
-    settings = made.settings(step.transfer)
+    (_, motion), settings = made.motions[point], made.spec.settings
     found = made.planner.plan(motion, settings, neighbour=thawed(warm)) if warm else None
     if found is None or found.gait is None:
         origin, found = "", made.planner.plan(motion, settings)
@@ -83,10 +78,9 @@ def plan_point(spec: str, point: Index, origin: str, warm: bytes) -> Done:
 def plan_end(spec: str, point: Index, which: str, goal: tuple[Any, Any, Any]) -> Done:
     """Plan the motion from rest to a point's gait, or back."""
     made = _made(spec)
-    step, _ = made.motions[point]
-    settings = made.settings(step.transfer)
+    (step, _), settings = made.motions[point], made.spec.settings
     biped = made.planner.biped
-    rest = standing(biped, biped.height - max(REST * biped.height, settings.bounds.squat))
+    rest = standing(biped, biped.height - max(REST * biped.height, settings.sized(biped).bounds.squat))
     motion = (start if which == START else stop)(biped, step, rest, goal)
     return _finished(made, made.planner.plan(motion, settings), key_of(point))
 

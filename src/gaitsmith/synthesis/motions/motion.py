@@ -187,6 +187,11 @@ class Motion:
         numbers = self.parameters
         return numbers["period"] * numbers["double_support"] if {"period", "double_support"} <= set(numbers) else None
 
+    @property
+    def lift(self) -> float | None:
+        """How high a walk raises the ankle, m; None of a motion that is no walk."""
+        return self.parameters["height"] if self.transfer is not None and "height" in self.parameters else None
+
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""
         return not self.phases[phase].double and (phase == 0 or self.phases[phase - 1].double)

@@ -17,6 +17,7 @@ _LENGTHS = ("zmp_margin", "squat", "foot_gap", "clearance")
 _NARROW = 0.45  # of half a sole's width, the largest default margin of the ZMP; the feet may use half of their gap
 _RATE = 1.73  # default torque rate in the robot's units of torque and time; 600 N·m/s of legs of LEG and 18 kg
 _FASTER, _TRANSFER = np.log2(3.0), 0.30  # s
+_CLEAR = 0.5  # of the ankle's lift
 _YAW = 0.2  # of a sole's length and width, the default lever of its yaw moment
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -92,15 +93,18 @@ class Settings(Parameters):
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=100_000)] = 1000
 
-    def sized(self, biped: Biped, transfer: float | None = None) -> Settings:
+    def sized(self, biped: Biped, transfer: float | None = None, lift: float | None = None) -> Settings:
         """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it.
 
         Torques change fast where the load changes feet fast. With ``transfer``, the duration of double support, their
         largest rate goes through 200 and 600 N·m/s at those of the paper's two gaits, 0.30 and 0.15 s for legs of LEG;
-        slower ones have the former, other motions the latter.
+        slower ones have the former, other motions the latter. With ``lift``, how high a walk raises the ankle, m, the
+        sole keeps clear of the ground by half of that by default: one that skims it lands early, at another pitch.
         """
         size, given = biped.height / LEG, set(self.bounds.model_fields_set)
         lengths = {name: size * getattr(self.bounds, name) for name in _LENGTHS if name not in given}
+        if lift is not None and "clearance" in lengths:
+            lengths["clearance"] = max(lengths["clearance"], _CLEAR * lift)
         if "torque_rate" not in given:
             faster = 1.0 if transfer is None else max(_TRANSFER * size**0.5 / transfer, 1.0) ** _FASTER / 3.0
             lengths["torque_rate"] = faster * _RATE * biped.effort / biped.fall_time

@@ -155,7 +155,7 @@ class Planner:
         Raises:
             BadInput: the ZMP margin leaves nothing of the sole.
         """
-        settings = (settings or Settings()).sized(self.biped, motion.transfer)
+        settings = (settings or Settings()).sized(self.biped, motion.transfer, motion.lift)
         check_margin(self.biped, settings.bounds)
         compiled = self.functions.compile_s if self._compile_s is None else 0.0
         begin = time.perf_counter()
