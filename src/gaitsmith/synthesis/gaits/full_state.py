@@ -63,13 +63,13 @@ class StateFinder:
         mujoco.mj_comPos(model, data)
         J, rate = self._jacobian, self._rate
         mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
-        base = J[:, :6].copy()
-        data.qvel[:6] = np.linalg.solve(base, -J[:, 6:] @ v)
+        still = -np.linalg.inv(J[:, :6])
+        data.qvel[:6] = still @ (J[:, 6:] @ v)
         mujoco.mj_comVel(model, data)
         body = int(model.site_bodyid[site])
         mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.site_xpos[site], body)
         data.qacc[6:] = a
-        data.qacc[:6] = np.linalg.solve(base, -J[:, 6:] @ a - rate @ data.qvel)
+        data.qacc[:6] = still @ (J[:, 6:] @ a + rate @ data.qvel)
         return FullState(data.qpos.copy(), data.qvel.copy(), data.qacc.copy())
 
     def foot(self, side: str, point: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
