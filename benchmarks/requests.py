@@ -68,6 +68,7 @@ def asked(planner: Planner, request: Request) -> dict[str, Any]:
         "iterations": sum(item.iterations for item in results),
         "fallbacks": sum(item.fallbacks for item in results),
         "objective": found.main.objective,
+        "default_rates": [item.default_rate for item in results],  # of torque, where they were relaxed
     }
     if found.gait is not None:
         robot = planner.biped.robot

@@ -46,7 +46,7 @@ class Relaxation:
     _steps: int = 0
 
     def __post_init__(self) -> None:
-        self.default = self.trans.settings.bounds.torque_rate
+        self.default = float(self.trans.settings.bounds.torque_rate)
 
     @property
     def allowed(self) -> bool:
