@@ -172,8 +172,8 @@ def test_the_hips_sink_for_a_foothold_out_of_the_leg_s_reach(
     gait, leg, lowest = inputs(speed=wanted), 0.385, 0.26
     law = gains()._replace(leg=leg, lowest_hips=lowest)
     usual = 0.5 * gait.period[0] * gait.speed + [0.0, side * gait.width[0]]
-    height = landing_height(gait, law, usual, side)
+    height = landing_height(gait, law, usual, side, 0.0)
     assert height == gait.height[0]
     way = np.array([0.0, side * gait.width[0]]) + 0.5 * gait.period[0] * np.abs(gait.speed) * np.sign([ahead, aside])
-    found = landing_height(gait, law, np.add(way, (ahead, aside)), side)
+    found = landing_height(gait, law, np.add(way, (ahead, aside)), side, 0.0)
     assert found == pytest.approx(min(height, max(lowest, math.sqrt(max(leg**2 - ahead**2 - aside**2, 0.0)))))

@@ -43,7 +43,7 @@ def support_at(step: StepState, gait: GaitInputs, time: float) -> np.ndarray:
 def swing_at(step: StepState, gait: GaitInputs, foothold: np.ndarray, time: float) -> np.ndarray:
     step.time[0] = step.place[0] = time
     out = np.zeros((3, 3))
-    swing_foot(step, gait, foothold, -gait.height[0], DESCENT, np.zeros(3), out)
+    swing_foot(step, gait, foothold, -gait.height[0], -gait.height[0], 0.5, DESCENT, np.zeros(3), out)
     return out
 
 
@@ -144,10 +144,10 @@ def test_the_swing_sole_is_level_when_it_has_been_lifted(parameters: GaitParamet
     """From its pitch at the switch to none at αT, and none from then on."""
     gait, step = make_gait_inputs(parameters), make_step_state(2, 4)
     step.swing_pitch_start[0] = pitch
-    assert swing_pitch(step, gait) == pitch
+    assert swing_pitch(step, gait, 0.0) == pitch
     for time in (parameters.alpha * parameters.period, parameters.period, 1.5 * parameters.period):
         step.time[0] = step.place[0] = time
-        assert abs(swing_pitch(step, gait)) < EXACT
+        assert abs(swing_pitch(step, gait, 0.0)) < EXACT
 
 
 @given(gaits, st.floats(-1.0, 1.0), st.floats(-0.3, 0.3))

@@ -156,6 +156,8 @@ def _portable(scenario: Scenario) -> Scenario:
 
     found: dict[str, Any] = {"gait": tuple(str(Path(path).resolve()) for path in scenario.gait)}
     found |= {name: str(Path(path).resolve()) for name in ("policy", "library") if (path := getattr(scenario, name))}
+    if scenario.footholds not in ("", "terrain"):
+        found["footholds"] = str(Path(scenario.footholds).resolve())
     if scenario.robot.replace("-", "_") not in robot_names():
         found["robot"] = str(Path(scenario.robot).resolve())
     return scenario.model_copy(update=found)

@@ -27,6 +27,7 @@ from gaitsmith.template.posture import commanded
 from gaitsmith.template.step import make_gait_inputs
 
 TRACKINGS = ("whole-body", "replay")
+_BELIEVED = 20  # ticks
 
 
 class Controller:
@@ -247,6 +248,30 @@ class Controller:
         """Take the torque away, until :meth:`stand` or :meth:`walk`."""
         self._g.control.asked[0] = OFF
         self._g.template.step.walk_requested[0] = 0
+
+    @property
+    def planned_landing(self) -> tuple[int, int, npt.NDArray[np.float64]]:
+        """Stance leg, swing leg, and where the swing sole will land: from the stance sole, heading frame, m; a view."""
+        stance = int(self._g.template.step.stance[0])
+        return stance, int(self._g.body.legs.other[stance]), self._g.template.ground.planned
+
+    def see(self, shift: npt.ArrayLike, rise: float, highest: float) -> None:
+        """Tell the ground at the next landing: believed for 20 ticks, after which the walk goes on by what it feels.
+
+        Args:
+            shift: (2,) how much farther than :attr:`planned_landing` to land, heading frame, m.
+            rise: height of the ground there above the stance sole, m.
+            highest: greatest height on the way there above the stance sole, m.
+
+        Raises:
+            BadInput: a number that is not finite.
+        """
+        told = (*np.asarray(shift, dtype=np.float64), rise, highest)
+        if len(told) != 4 or not np.isfinite(told).all():
+            raise BadInput("ground", told, "finite numbers: a shift (2), a rise and the highest ground, m")
+        ground = self._g.template.ground
+        ground.shift[:], ground.rise[0], ground.highest[0] = told[:2], rise, highest
+        ground.known[0] = _BELIEVED
 
     def missed(self, ticks: int) -> None:
         """Say that this many ticks could not be done in time; after too many in a row the joints are braked.

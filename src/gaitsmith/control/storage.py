@@ -23,6 +23,7 @@ from gaitsmith.robots import Robot
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.foothold import Forecast, make_foothold_gains, make_speed_gains
+from gaitsmith.template.ground import make_ground
 from gaitsmith.template.posture import make_posture
 from gaitsmith.template.state import Template, make_balance
 from gaitsmith.template.step import make_gait_inputs, make_step_state
@@ -70,6 +71,7 @@ def make_storage(
         requested=inputs,
         latched=make_gait_inputs(gait),
         step=make_step_state(n_soles, n_leg),
+        ground=make_ground(),
         posture=make_posture(body.legs.home, robot.velocity_limit, _POSTURE * scale.rate),
         foothold=make_foothold_gains(parameters.foothold, scale.gravity, scale.height, robot.card.gait_limits.height),
         speed=make_speed_gains(parameters.speed),
@@ -112,6 +114,7 @@ def memory_of(g: Tick) -> list[Any]:
     return [
         *(
             template.step,
+            template.ground,
             template.posture,
             template.chains,
             template.inverse_program,

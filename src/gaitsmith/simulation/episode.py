@@ -24,6 +24,7 @@ from gaitsmith.simulation.diagnosis import Suspect, suspects, weak_push
 from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.engines import engine_of
 from gaitsmith.simulation.fall import Fall
+from gaitsmith.simulation.footholds import Guided, source_of
 from gaitsmith.simulation.injection import Injector
 from gaitsmith.simulation.library_run import family_of
 from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer
@@ -124,9 +125,11 @@ class Simulation:
         if self.plan is not None:
             self.controller.reset()
             self.controller.load(self.plan, scenario.tracking)
+        terrain = parse_terrain(scenario.terrain, scenario.seed)
+        source = source_of(scenario, terrain, self.robot)
         self.plant = engine_of(scenario.engine)(
             self.robot,
-            terrain=parse_terrain(scenario.terrain, scenario.seed),
+            terrain=terrain,
             sensors=scenario.sensors if scenario.state == "estimated" else None,
             region=region or region_of(self.plan, scenario),
             props=balls_of(self.plan, self.robot),
@@ -152,7 +155,8 @@ class Simulation:
         tour = scenario.tour
         self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None
         seeing = (self._monitor, self._recorder, self._reactions, self._strides, self._disturber, self._tracked)
-        watching: list[Observer | None] = [*seeing, self._guide]
+        eyes = None if source is None else Guided(source, self.controller, self.plant.truth)
+        watching: list[Observer | None] = [*seeing, self._guide, eyes]
         observers = [observer for observer in watching if observer is not None]
         orders = commands_of(scenario, self.controller, self._family, step, self._tell, commands or self._guide)
         backend: Backend = self.plant

@@ -131,6 +131,11 @@ class Scenario(Command):
             metavar="flat|slope:DEG|cross:DEG|boxes:M|stairs:RISE,TREAD,EDGE,COUNT|ice:MU,FROM,LENGTH",
         ),
     ] = "flat"
+    footholds: Annotated[
+        str,
+        Field(max_length=1000),
+        About("Ground known ahead: all of it, or a file with x, y, z of a foothold in every line", "m", "terrain|FILE"),
+    ] = ""
     duration: Annotated[float, Field(gt=0.0), About("Length of the whole run, rests included", "s", "S")] = 20.0
     rest_before: Annotated[Seconds, About("Standing on both feet before the walk", "s", "S")] = 1.0
     rest_after: Annotated[Seconds, About("Standing on both feet after the walk", "s", "S")] = 0.0
@@ -201,7 +206,6 @@ class Scenario(Command):
         Field(ge=0.0, le=0.5),
         About("Each body's masses differ by up to this share besides, drawn from the seed", metavar="X"),
     ] = 0.0
-
     torso_shift: Annotated[
         tuple[_Shift, _Shift, _Shift],
         About("Where the plant's torso has its centre of mass, from where the card has it, torso axes", "m", "X Y Z"),
@@ -220,19 +224,18 @@ class Scenario(Command):
         parse_terrain(self.terrain)
         self._check_gait_file()
         if self.rest_before + self.rest_after > self.duration and not self.gait:
-            raise BadInput(
-                "duration",
-                self.duration,
-                f"at least rest_before + rest_after = {self.rest_before + self.rest_after:g} s",
-            )
+            valid = f"at least rest_before + rest_after = {self.rest_before + self.rest_after:g} s"
+            raise BadInput("duration", self.duration, valid)
         if self.tour is not None and (self.changes or self.gait or self.library):
             valid = "nothing with changes, a gait file or a library"
             raise BadInput("tour", self.tour.id, valid, "the tour says where to go")
         if self.library and (self.gait or self.policy):
             given = "gait" if self.gait else "policy"
             raise BadInput(given, getattr(self, given), "nothing with a library", "leave one of them out")
-        if self.controller and (others := [name for name in ("gait", "library", "policy") if getattr(self, name)]):
-            raise BadInput(others[0], getattr(self, others[0]), "nothing with a controller of its own", "leave one out")
+        for own, name in (("footholds", "footholds"), ("controller", "a controller of its own")):
+            not_with = ("gait", "library", "controller" if own == "footholds" else "policy")
+            if getattr(self, own) and (others := [other for other in not_with if getattr(self, other)]):
+                raise BadInput(others[0], getattr(self, others[0]), f"nothing with {name}", "leave one out")
         last = -math.inf
         for k, change in enumerate(self.changes):
             if change.time <= last:

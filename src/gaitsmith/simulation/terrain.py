@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 
+Array = npt.NDArray[np.float64]
 VALID = (
     "flat, slope:DEGREES or cross:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), stairs:RISE,TREAD,EDGE,COUNT, "
     "or ice:FRICTION,FROM,LENGTH (0.05 to 5, from 0.3 m ahead on)"
@@ -71,15 +73,22 @@ class Terrain:
 
     def height(self, x: float, y: float) -> float:
         """Height of the ground at a point of the world, m; on an edge between boxes, of either."""
+        return float(self.heights(np.array([x]), np.array([y]))[0])
+
+    def heights(self, x: Array, y: Array) -> Array:
+        """Heights at (n,) places, m."""
         if self.kind == "slope":
-            return max(x - SLOPE_START, 0.0) * math.tan(math.radians(self.amount))
-        if self.kind == "cross" and x > SLOPE_START:
-            return y * math.tan(math.radians(self.amount))
+            return np.asarray(np.maximum(x - SLOPE_START, 0.0) * math.tan(math.radians(self.amount)))
+        if self.kind == "cross":
+            return np.where(x > SLOPE_START, y * math.tan(math.radians(self.amount)), 0.0)
         if self.kind == "boxes":
-            return _box_height(_field(self.amount, self.seed), round(x / BOX_PITCH), round(y / BOX_PITCH))
+            field = _field(self.amount, self.seed)
+            cells = zip(np.rint(x / BOX_PITCH), np.rint(y / BOX_PITCH), strict=True)
+            return np.array([_box_height(field, int(i), int(j)) for i, j in cells])
         if self.kind == "stairs":
-            return self._tread_height(min(max(math.floor((x - self.edge) / self.tread) + 1, 0), self.count))
-        return 0.0
+            number = np.clip(np.floor((x - self.edge) / self.tread) + 1, 0, self.count)
+            return np.asarray(self.amount * number + max(-self.amount * self.count, 0.0))
+        return np.zeros(len(x))
 
     def _tread_height(self, number: int) -> float:
         """Of the level ground before the stairs (0), or of a tread; the lowest one is in the plane."""
@@ -198,12 +207,13 @@ def _cells(low: float, high: float) -> range:
     return range(max(math.floor(low / BOX_PITCH), -_FIELD), min(math.ceil(high / BOX_PITCH), _FIELD) + 1)
 
 
-def _field(height: float, seed: int) -> npt.NDArray[np.float64]:
+@lru_cache(maxsize=4)
+def _field(height: float, seed: int) -> Array:
     """Drawn heights of all cells."""
     return np.random.default_rng([seed, 0xB0]).uniform(0.0, height, (2 * _FIELD + 1, 2 * _FIELD + 1))
 
 
-def _box_height(field: npt.NDArray[np.float64], i: int, j: int) -> float:
+def _box_height(field: Array, i: int, j: int) -> float:
     """Height of one cell; level around the start and beyond the field."""
     if math.hypot(i, j) * BOX_PITCH <= FLAT_RADIUS or max(abs(i), abs(j)) > _FIELD:
         return 0.0

@@ -204,17 +204,18 @@ def foothold_target(
 
 
 @kernel
-def landing_height(gait: GaitInputs, gains: FootholdGains, foothold: Vector, side: float) -> float:
+def landing_height(gait: GaitInputs, gains: FootholdGains, foothold: Vector, side: float, drop: float) -> float:
     """Height of the hips at touchdown, m: lower than H where the leg is too short for so far a foothold.
 
-    Only what goes beyond the foothold of the commanded walk counts, so that undisturbed walking keeps its height.
+    Only what goes beyond the foothold of the commanded walk counts, so that undisturbed walking keeps its height, and
+    how far the ground there is below the stance sole: ``drop``, m.
     """
     room = gains.leg * gains.leg
     for axis in range(2):
         usual = side * gait.width[0] if axis == 1 else 0.0
         beyond = abs(foothold[axis] - usual) - 0.5 * gait.period[0] * abs(gait.speed[axis])
         room -= max(beyond, 0.0) ** 2
-    return min(float(gait.height[0]), max(math.sqrt(max(room, 0.0)), gains.lowest_hips))
+    return min(float(gait.height[0]), max(math.sqrt(max(room, 0.0)) - drop, gains.lowest_hips))
 
 
 @kernel

@@ -11,6 +11,7 @@ from gaitsmith.kinematics.inverse import InverseGains, InverseKinematics, LegTab
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.template.balance import CopGains
 from gaitsmith.template.foothold import FootholdGains, Forecast, SpeedGains
+from gaitsmith.template.ground import Ground
 from gaitsmith.template.posture import Posture
 from gaitsmith.template.step import GaitInputs, StepState
 from gaitsmith.template.touchdown import TouchdownRule
@@ -91,6 +92,7 @@ class Template(NamedTuple):
         requested: gait inputs as last commanded.
         latched: those of the step being taken.
         step: the step being taken.
+        ground: what is known of it.
         posture: of the joints outside the legs.
         inverse_program: of the inverse kinematics.
     """
@@ -103,6 +105,7 @@ class Template(NamedTuple):
     requested: GaitInputs
     latched: GaitInputs
     step: StepState
+    ground: Ground
     posture: Posture
     foothold: FootholdGains
     speed: SpeedGains

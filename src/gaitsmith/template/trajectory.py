@@ -37,6 +37,8 @@ def swing_foot(
     gait: GaitInputs,
     foothold: Vector,
     ground: float,
+    summit: float,
+    share: float,
     descent_speed: float,
     scratch: Vector,
     out: Matrix,
@@ -51,6 +53,8 @@ def swing_foot(
         gait: latched.
         foothold: (2,) target x and y, m.
         ground: z of the ground below the foothold, m (negative).
+        summit: z of the highest ground on the way there, m; the sole is lifted over it.
+        share: of the way ahead and aside, by αT; one half on level ground.
         descent_speed: downward speed past T, m/s.
         scratch: (3,).
         out: (3, 3) position, velocity, acceleration by rows.
@@ -62,10 +66,10 @@ def swing_foot(
         start = step.swing_start[0, axis]
         if axis < 2:
             end = foothold[axis]
-            middle = 0.5 * (start + end)
+            middle = start + share * (end - start)
         else:
             end = ground
-            middle = ground + gait.lift[0]
+            middle = max(summit, ground) + gait.lift[0]
         evaluate_pair(time, joint, period, start, step.swing_start[1, axis], 0.0, middle, end, 0.0, 0.0, scratch)
         out[0, axis] = scratch[0]
         out[1, axis] = scratch[1] * rate
@@ -83,9 +87,10 @@ def smooth_share(time: float, span: float) -> float:
 
 
 @kernel
-def swing_pitch(step: StepState, gait: GaitInputs) -> float:
-    """Desired pitch of the swing sole: from its pitch at the switch to level during the lifting stage, rad."""
-    return float(step.swing_pitch_start[0] * (1.0 - smooth_share(step.place[0], gait.alpha[0] * gait.period[0])))
+def swing_pitch(step: StepState, gait: GaitInputs, slope: float) -> float:
+    """Desired pitch of the swing sole: from its pitch at the switch to the ground's during the lifting stage, rad."""
+    start = step.swing_pitch_start[0]
+    return float(start + smooth_share(step.place[0], gait.alpha[0] * gait.period[0]) * (slope - start))
 
 
 @kernel

@@ -15,6 +15,7 @@ from gaitsmith.template.foothold import (
     observe_motion,
     pendulum_frequency,
 )
+from gaitsmith.template.ground import feel_slope, plan_landing, share_of_way
 from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.state import Template
 from gaitsmith.template.step import WALK
@@ -27,7 +28,7 @@ from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, level_rotation
 @kernel
 def plan_step(g: Template, dt: float) -> None:
     """Desired sole states of this tick; the foothold follows the CoM."""
-    step, latched, forecast, curve = g.step, g.latched, g.forecast, g.balance.curve
+    step, latched, forecast, curve, ground = g.step, g.latched, g.forecast, g.balance.curve, g.ground
     frames, state = g.body.frames, g.body.state
     stance = step.stance[0]
     swing = g.body.legs.other[stance]
@@ -38,7 +39,8 @@ def plan_step(g: Template, dt: float) -> None:
         support[1, axis] = frames.relative_velocity[stance, axis]
         support[2, axis] = 0.0
     observe_motion(step, frames.com_velocity, com)
-    com_over_sole(g, stance)
+    omega = com_over_sole(g, stance)
+    feel_slope(ground, step, frames.sole_pitch[stance])
     to_heading(frames, com[0] - step.station[0], com[1] - step.station[1], forecast.drift)
     x, y, jacobian = state.com_bias[0], state.com_bias[1], state.com_jacobian
     for k in range(g.acceleration.shape[0]):
@@ -52,11 +54,15 @@ def plan_step(g: Template, dt: float) -> None:
     forecast_touchdown(step, latched, g.foothold, frames.com_velocity, side, forecast)
     beside = frames.relative_position[stance, 1]
     foothold_target(step, latched, g.foothold, forecast, frames.com_offset, beside, side, step.foothold)
-    height = landing_height(latched, g.foothold, step.foothold, side)
+    plan_landing(ground, step, forecast, omega, frames.com_velocity, frames.com_offset, step.foothold)
+    rise, highest = ground.rise[0], ground.highest[0]
+    height = landing_height(latched, g.foothold, step.foothold, side, max(-rise, 0.0))
     support_height(step, latched, height, curve)
     for order in range(3):
         support[order, 2] = curve[order]
-    swing_foot(step, latched, step.foothold, -height, g.touchdown.descent_speed, curve, step.foot_desired[swing])
+    target, descent = step.foot_desired[swing], g.touchdown.descent_speed
+    share = share_of_way(highest, latched.lift[0])
+    swing_foot(step, latched, step.foothold, rise - height, highest - height, share, descent, curve, target)
 
 
 @kernel
@@ -148,7 +154,7 @@ def refer_walking(g: Template) -> None:
             reference.sole_acceleration[leg, axis] = desired[2, axis]
             for k in range(3):
                 reference.sole_rotation[leg, axis, k] = frames.sole_rotation[leg, axis, k]
-    pitch, yaw = swing_pitch(step, latched), frames.yaw[0] + swing_yaw(step, latched)
+    pitch, yaw = swing_pitch(step, latched, g.ground.pitch[0]), frames.yaw[0] + swing_yaw(step, latched)
     level_rotation(math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch), reference.sole_rotation[swing])
     for i in range(legs.joints.shape[1]):
         joint = legs.joints[swing, i]

@@ -1,0 +1,82 @@
+"""Where to land on known ground: on treads, not on their edges; on listed footholds; told to the walk in its frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots.sole import Sole
+from gaitsmith.simulation.episode import Simulation
+from gaitsmith.simulation.footholds import HeightMap, MappedGround, read_footholds
+from gaitsmith.simulation.scenario import make_scenario
+from gaitsmith.simulation.terrain import Terrain, parse_terrain
+
+SOLE = Sole(kind="line", heel=0.07, toe=0.12)
+STAIRS = parse_terrain("stairs:0.1,0.3,1.5,5")
+
+
+def land(source, wanted, sole=SOLE):
+    return source.landing(sole, np.array([wanted - 0.15, 0.1, 0.0]), np.array([wanted, 0.1]), 0.0)
+
+
+@given(st.floats(1.0, 3.4))
+def test_a_sole_meets_the_highest_ground_below_it(wanted: float) -> None:
+    """The tread that it stands on, also with its toe alone; and it is lifted over all that lies on its way."""
+    found = land(MappedGround(STAIRS), wanted)
+    ends = STAIRS.heights(wanted + np.array([-SOLE.heel, 0.0, SOLE.toe]), np.zeros(3))
+    assert ends.max() - 1e-9 <= found.height <= ends.max() + 0.1 + 1e-9
+    assert found.highest >= max(found.height, STAIRS.heights(np.array([wanted - 0.15]), np.zeros(1))[0])
+
+
+@given(st.floats(1.2, 3.0), st.floats(-15.0, 15.0))
+def test_even_ground_moves_no_foothold(wanted: float, degrees: float) -> None:
+    found = land(MappedGround(Terrain("slope", degrees)), wanted)
+    assert found.place[0] == wanted
+    assert found.height == pytest.approx(Terrain("slope", degrees).height(wanted, 0.1))
+
+
+@pytest.mark.parametrize("name", ["stairs:-0.08,0.3,1.5,5", "boxes:0.06"])
+def test_a_map_says_what_its_terrain_says(name: str) -> None:
+    terrain = parse_terrain(name)
+    x, y = np.meshgrid(np.arange(0.0, 3.0, 0.01), np.arange(-0.5, 0.5, 0.01), indexing="ij")
+    mapped = HeightMap((0.0, -0.5), 0.01, terrain.heights(x.ravel(), y.ravel()).reshape(x.shape))
+    for wanted in (1.013, 1.42, 2.2):
+        a, b = land(MappedGround(terrain), wanted), land(MappedGround(mapped), wanted)
+        assert abs(a.height - b.height) < 1e-9
+    assert land(MappedGround(mapped), 5.0) is None
+
+
+def test_listed_footholds(tmp_path: Path) -> None:
+    """The nearest one, to the letter; none if all are far; a wrong line is named."""
+    path = tmp_path / "stones.csv"
+    path.write_text("# x, y, z\n1.0, 0.1, 0.05\n1.3, 0.1, 0.10  # the second\n")
+    found = land(read_footholds(path, 0.7), 1.1)
+    assert (*found.place, found.height) == (1.0, 0.1, 0.05)
+    assert land(read_footholds(path, 0.7), 2.0) is None
+    for wrong in ("1.0, 2.0\n", "a, b, c\n", "1, 2, nan\n", "# nothing\n"):
+        path.write_text(wrong)
+        with pytest.raises(BadInput, match="foothold"):
+            read_footholds(path, 0.7)
+
+
+def test_a_controller_is_told_finite_numbers() -> None:
+    scenario = make_scenario({"duration": 1.5, "footholds": "terrain", "terrain": "stairs:0.1,0.3,0.8,2"})
+    simulation = Simulation(scenario, record=False)
+    with pytest.raises(BadInput, match="ground"):
+        simulation.controller.see((np.nan, 0.0), 0.0, 0.0)
+
+
+def test_known_stairs_are_climbed() -> None:
+    """Two steps of 10 cm: the robot stands on the upper level, where without the map it falls or stays behind."""
+    scenario = make_scenario(
+        {"terrain": "stairs:0.1,0.3,0.8,2", "footholds": "terrain", "speed": [0.3, 0.0], "duration": 8.0}
+    )
+    simulation = Simulation(scenario, record=False)
+    simulation.run()
+    assert simulation.fall is None
+    assert simulation.plant.truth.sole[2] > 0.15

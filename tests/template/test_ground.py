@@ -1,0 +1,60 @@
+"""A slope is felt where a sole has lain on it; what is told of the ground goes before what is felt."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.template.steps import OMEGA, a_step, at, forecast, inputs
+
+from gaitsmith.template.ground import feel_slope, make_ground, plan_landing, share_of_way
+
+slopes = st.floats(-0.3, 0.3)
+
+
+@given(slopes, st.floats(0.0, 0.3))
+def test_the_slope_is_that_of_the_sole_at_its_flattest(slope: float, tipped: float) -> None:
+    """A sole that tips over its edge for a part of each step changes nothing; the estimate converges."""
+    gait, ground = inputs(), make_ground()
+    step = a_step(gait)
+    for count in range(12):
+        step.count[0] = count
+        for time in np.linspace(0.0, gait.period[0], 20):
+            late = time > 0.8 * gait.period[0]
+            feel_slope(ground, at(step, time), slope + (math.copysign(tipped, slope) if late else 0.0))
+    assert ground.pitch[0] == pytest.approx(slope, abs=abs(slope) * 2.0**-9 + 1e-12)
+
+
+@given(slopes, st.floats(-0.2, 0.2))
+def test_a_felt_slope_is_a_plane_through_the_stance_sole(slope: float, ahead: float) -> None:
+    ground, step = make_ground(), at(a_step(inputs()), 10.0)
+    ground.pitch[0] = slope
+    out = np.array([ahead, 0.1])
+    plan_landing(ground, step, forecast(), OMEGA, np.zeros(2), np.zeros(2), out)
+    assert ground.rise[0] == pytest.approx(-math.tan(slope) * ground.planned[0])
+    assert ground.highest[0] == max(ground.rise[0], 0.0)
+    np.testing.assert_array_equal(out, [ahead, 0.1])
+
+
+@given(slopes, st.integers(1, 5))
+def test_what_was_told_is_believed_for_its_ticks_and_no_longer(slope: float, ticks: int) -> None:
+    ground, step = make_ground(), at(a_step(inputs()), 10.0)
+    ground.pitch[0], ground.known[0] = slope, ticks
+    ground.shift[:], ground.rise[0], ground.highest[0] = (0.02, -0.01), 0.07, 0.09
+    for tick in range(ticks + 1):
+        out = np.array([0.1, 0.1])
+        plan_landing(ground, step, forecast(), OMEGA, np.zeros(2), np.zeros(2), out)
+        if tick < ticks:
+            assert (ground.rise[0], ground.highest[0]) == (0.07, 0.09)
+            np.testing.assert_allclose(out, [0.12, 0.09])
+    np.testing.assert_array_equal(out, [0.1, 0.1])
+    assert ground.rise[0] == pytest.approx(-math.tan(slope) * 0.1)
+
+
+def test_a_climb_is_lifted_before_it_goes_ahead() -> None:
+    """Half of the way by αT on level ground and below; none before a climb as high as the lift."""
+    assert [share_of_way(high, 0.1) for high in (-0.1, 0.0, 0.05, 0.1, 0.2)] == [0.5, 0.5, 0.5, 0.0, 0.0]
+    assert share_of_way(0.075, 0.1) == pytest.approx(0.25)
