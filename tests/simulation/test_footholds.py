@@ -58,6 +58,8 @@ def test_listed_footholds(tmp_path: Path) -> None:
     found = land(read_footholds(path, 0.7), 1.1)
     assert (*found.place, found.height) == (1.0, 0.1, 0.05)
     assert land(read_footholds(path, 0.7), 2.0) is None
+    scenario = make_scenario({"duration": 2.0, "footholds": str(path)})
+    assert any("no ground known" in warning for warning in Simulation(scenario, record=False).run().summary.warnings)
     for wrong in ("1.0, 2.0\n", "a, b, c\n", "1, 2, nan\n", "# nothing\n"):
         path.write_text(wrong)
         with pytest.raises(BadInput, match="foothold"):

@@ -155,8 +155,8 @@ class Simulation:
         tour = scenario.tour
         self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None
         seeing = (self._monitor, self._recorder, self._reactions, self._strides, self._disturber, self._tracked)
-        eyes = None if source is None else Guided(source, self.controller, self.plant.truth)
-        watching: list[Observer | None] = [*seeing, self._guide, eyes]
+        self._eyes = None if source is None else Guided(source, self.controller, self.plant.truth)
+        watching: list[Observer | None] = [*seeing, self._guide, self._eyes]
         observers = [observer for observer in watching if observer is not None]
         orders = commands_of(scenario, self.controller, self._family, step, self._tell, commands or self._guide)
         backend: Backend = self.plant
@@ -320,7 +320,7 @@ class Simulation:
             realtime_factor=self.time / self._watch.seconds if self._watch.seconds > 0.0 else 0.0,
             pushes=tuple(None if math.isnan(began) else began for began in self._disturber.pushes.started),
             **self._strides.report(self.fall is not None),
-            warnings=tuple(self.plant.warnings),
+            warnings=(*self.plant.warnings, *(self._eyes.warnings if self._eyes else ())),
             memory_mb=Memory(start=self._memory, end=resident_mb()),
             tracking=self._tracked.report(self.time) if self._tracked and self.scenario.gait else None,
             faults=with_unnoticed(tuple(self._reactions.found), self.scenario.faults, self.time),

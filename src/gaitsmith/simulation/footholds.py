@@ -231,5 +231,12 @@ class Guided:
         self._controller.see(shift, found.height - level, found.highest - level)
         return False
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """That the ground was not known everywhere."""
+        if not self.blind:
+            return ()
+        return (f"footholds: no ground known at {self.blind} of {self.told + self.blind} looks; it felt its way there",)
+
     def hear(self, event: Mapping[str, Any]) -> None:
         """Nothing to note."""
