@@ -168,6 +168,14 @@ def test_a_grid_that_cannot_be_is_refused(changes, field):
         checked_spec(SPEC | changes)
 
 
+def test_gaits_of_two_versions_are_not_mixed(library, tmp_path, monkeypatch):
+    folder = copied(library, tmp_path)
+    monkeypatch.setattr("gaitsmith.library.folder.source_key", lambda module: "0" * 64)
+    with pytest.raises(BadInput, match="version"):
+        build(checked_spec(SPEC), folder)
+    assert contents(tmp_path) == contents(library.path)
+
+
 def test_every_point_starts_from_one_nearer_to_the_middle():
     spec = checked_spec(SPEC | {"speed": [0.1, 0.2, 0.3, 0.4, 0.5], "step_height": [0.03, 0.04, 0.05]})
     for point in spec.points:

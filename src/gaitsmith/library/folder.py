@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from gaitsmith.compiled.cache import source_key
 from gaitsmith.documents import Frozen, checked, parse_json
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, reason, write_bytes_atomic, write_text_atomic
@@ -25,6 +26,7 @@ from gaitsmith.synthesis import Gait, read_gait
 
 FORMAT = "gaitsmith-library"
 VERSION = 1
+_PLANNER = "gaitsmith.library.building"  # gaits of two versions are not mixed
 START, STOP = "start", "stop"
 """Keys of the motions from and to rest."""
 _LIMIT, _GAIT = 20_000_000, 50_000_000  # bytes
@@ -67,6 +69,7 @@ class _Head(Frozen):
     format: Literal["gaitsmith-library"]
     version: Literal[1]
     robot_hash: _Digest
+    planner: _Digest
     spec: dict[str, Any]
     checksum: _Digest
 
@@ -112,12 +115,14 @@ class Folder:
             BadInput: it cannot be made, or it holds something else.
         """
         head = {"format": FORMAT, "version": VERSION, "robot_hash": robot.content_hash}
-        head |= {"spec": spec.model_dump(mode="json")}
+        head |= {"planner": digest(source_key(_PLANNER).encode()), "spec": spec.model_dump(mode="json")}
         text = _signed(head)
         try:
             used = self.path.is_dir() and any(self.path.iterdir())
             if used and read_bounded(self.path / "library.json", _LIMIT) != text.encode():
-                raise BadInput("--out", str(self.path), "a new folder, or one begun with the same SPEC and robot")
+                raise BadInput(
+                    "--out", str(self.path), "a new folder, or one begun with the same SPEC, robot and version"
+                )
             for part in _PARTS:
                 (self.path / part).mkdir(parents=True, exist_ok=True)
         except OSError as error:
