@@ -11,6 +11,14 @@ from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.work.workers import workers
 
 
+@pytest.fixture(autouse=True)
+def nobody_is_left_behind():
+    """Whatever happens, no process of a test's outlives it."""
+    before = set(multiprocessing.active_children())
+    yield
+    assert not set(multiprocessing.active_children()) - before
+
+
 def test_every_task_is_done_once_elsewhere():
     with workers(2) as crew:
         for k in range(5):
@@ -19,7 +27,6 @@ def test_every_task_is_done_once_elsewhere():
         found = dict(crew.done() for _ in range(6))
     assert found.pop("pid") != os.getpid()
     assert found == {str(k): k * k for k in range(5)}
-    assert not multiprocessing.active_children()
 
 
 def first_of(task, *given):
@@ -31,7 +38,6 @@ def first_of(task, *given):
 def test_what_a_task_raises_is_raised_here():
     with pytest.raises(BadInput, match="field"):
         first_of(_refuse)
-    assert not multiprocessing.active_children()
 
 
 def _refuse():
@@ -41,7 +47,6 @@ def _refuse():
 def test_a_worker_that_is_killed_is_told():
     with pytest.raises(GaitsmithError, match="killed"):
         first_of(_die)
-    assert not multiprocessing.active_children()
 
 
 def _die():
@@ -51,7 +56,6 @@ def _die():
 def test_leaving_early_ends_what_runs():
     with pytest.raises(KeyboardInterrupt):
         leave()
-    assert not multiprocessing.active_children()
 
 
 def leave():

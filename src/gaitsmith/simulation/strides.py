@@ -64,7 +64,7 @@ class Strides:
     def hear(self, event: Mapping[str, Any]) -> None:
         """A push begins."""
         if "push" in event and not event.get("over"):
-            self._close()
+            self._close(self._recovered, self._since_push())
             self._pushed, self._calm_since = (int(event["push"]), self._now), None
 
     def report(self, fell: bool) -> dict[str, Any]:
@@ -72,8 +72,7 @@ class Strides:
         steps, total, least, greatest = self._durations
         times = StepTimes(mean=total / steps, min=least, max=greatest) if steps else None
         found = list(self._recovered)
-        if self._pushed is not None:
-            found[self._pushed[0]] = None if fell else self._since_push()
+        self._close(found, None if fell else self._since_push())
         return {"recovered": () if self._planned else tuple(found), "step_time": times}
 
     @property
@@ -108,7 +107,9 @@ class Strides:
             return None
         return round(self._calm_since - self._pushed[1], 6)
 
-    def _close(self) -> None:
-        """What became of the push before is known."""
+    def _close(self, found: list[float | None], recovered: float | None) -> None:
+        """What became of the latest push is known; a page's pushes stand in no scenario."""
         if self._pushed is not None:
-            self._recovered[self._pushed[0]] = self._since_push()
+            number = self._pushed[0]
+            found.extend([None] * (number + 1 - len(found)))
+            found[number] = recovered

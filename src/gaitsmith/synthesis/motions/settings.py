@@ -55,7 +55,7 @@ class Bounds(Parameters):
     torso_pitch: Angle = 0.20
     torso_roll: Angle = 0.15
     torso_yaw: Angle = 0.15
-    foot_pitch: Angle = 0.4
+    foot_pitch: Angle = 0.46
     foot_tilt: Angle = 0.02
     foot_gap: Length = 0.02
     clearance: Length = 0.005
