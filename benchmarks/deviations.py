@@ -23,7 +23,6 @@ from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from joblib import Parallel, delayed
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
@@ -33,6 +32,7 @@ from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.robots.card import Sole
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.simulation import Push, Summary
+from gaitsmith.work.workers import workers
 
 IMPULSE = 40.0  # N·s
 PUSHED_HEIGHT = 0.66  # m
@@ -199,16 +199,18 @@ def main() -> None:
     if not chosen:
         sys.exit(f"--only {arguments.only}: expected part of one of: {', '.join(row.name for row in known)}")
     Simulation(Scenario(duration=1.0), robot=robot, record=False)  # compile once, not in every process
-    console, began, rows = Console(stderr=True), perf_counter(), []
-    work = (
-        delayed(run_row)(row, arguments.preset == "default" and not arguments.no_pushes, arguments.preset)
-        for row in chosen
-    )
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+    console, began, found = Console(stderr=True), perf_counter(), {}
+    pushed = arguments.preset == "default" and not arguments.no_pushes
+    progress = Progress(console=console, transient=True, disable=not console.is_terminal)
+    with progress, workers(max(1, min(arguments.jobs, len(chosen)))) as crew:
         task = progress.add_task("walking", total=len(chosen))
-        for result in Parallel(n_jobs=max(1, min(arguments.jobs, len(chosen))), return_as="generator")(work):
-            rows.append(result)
-            progress.update(task, advance=1, description=f"walked: {result['name']}")
+        for row in chosen:
+            crew.submit(row.name, run_row, row, pushed, arguments.preset)
+        for _ in chosen:
+            name, result = crew.done()
+            found[name] = result
+            progress.update(task, advance=1, description=f"walked: {name}")
+    rows = [found[row.name] for row in chosen]
     seconds = math.ceil(perf_counter() - began)
     if arguments.json:
         print(json.dumps({"rows": rows, "seconds": seconds}, indent=2))

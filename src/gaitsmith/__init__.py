@@ -27,6 +27,6 @@ if TYPE_CHECKING:
     from gaitsmith.simulation import load_scenario as load_scenario
     from gaitsmith.simulation import run_episode as run_episode
 
-__version__ = "0.1.0"
+__version__ = "0.3.0.dev0"
 
 __getattr__, __dir__ = lazily(__name__)
