@@ -29,7 +29,7 @@ class Steered:
         return self.session.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def steered(tmp_path_factory) -> Iterator[Steered]:
     made = Steered(tmp_path_factory.mktemp("runs"))
     yield made
