@@ -100,7 +100,7 @@ def test_a_full_disk_ends_a_run_in_one_line_and_keeps_what_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from gaitsmith.log import record
-    from gaitsmith.log.mcap_file import ChunkWriter
+    from gaitsmith.log.mcap_writer import ChunkWriter
 
     write, chunks = ChunkWriter.write, []
 

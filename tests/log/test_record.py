@@ -197,9 +197,9 @@ def test_a_full_disk_is_told_and_keeps_what_is_written():
 
 def test_a_newer_format_is_refused_in_one_line():
     content, _ = _streamed(10, 5)
-    newer = content.replace(b"format\x01\x00\x00\x002", b"format\x01\x00\x00\x009")
+    newer = content.replace(b"format\x01\x00\x00\x003", b"format\x01\x00\x00\x009")
     assert newer != content
-    with pytest.raises(BadInput, match=r"run\.mcap: got 'format 9', expected at most format 2; update gaitsmith"):
+    with pytest.raises(BadInput, match=r"run\.mcap: got 'format 9', expected at most format 3; update gaitsmith"):
         read_stream(io.BytesIO(newer), "run.mcap")
 
 

@@ -4,17 +4,14 @@ import csv
 import json
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
-from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from gaitsmith import load_robot, read_log
 from gaitsmith.cli import main
 from gaitsmith.log import Log
-from gaitsmith.reports.video import positions
 
 
 @pytest.fixture(scope="module")
@@ -61,32 +58,6 @@ def test_parquet_holds_rows_notes_and_events(run: Path, log: Log, tmp_path: Path
     assert told == {"notes": log.notes, "events": list(log.events)}
 
 
-def test_foxglove_sees_the_robot_move(run: Path, log: Log, tmp_path: Path) -> None:
-    robot = load_robot("bhr_b2")
-    with converted(run, "foxglove", tmp_path / "f.mcap", "--rate", "25").open("rb") as file:
-        reader = make_reader(file)
-        messages = list(reader.iter_messages())
-        (attached,) = reader.iter_attachments()
-    topics: dict[str, list[tuple[int, bytes]]] = {}
-    for schema, channel, message in messages:
-        assert schema is not None
-        topics.setdefault(channel.topic, []).append((message.log_time, message.data))
-        if channel.topic in ("/tf", "/joint_states", "/robot", "/forces"):
-            assert schema.name.startswith("foxglove.")
-    assert attached.data == robot.model_path.read_bytes()
-    assert len(topics["/tf"]) == pytest.approx(1.6 * 25, abs=2)
-    assert len(topics["/robot"]) == 1
-    assert len(topics["/events"]) == len(log.events)
-    stamp, content = topics["/tf"][-1]
-    row = int(np.argmin(np.abs(log.time - stamp / 1e9)))
-    data = mujoco.MjData(robot.model)
-    data.qpos[:] = positions(log, robot)[row]
-    mujoco.mj_kinematics(robot.model, data)
-    for body in range(1, robot.model.nbody):
-        assert robot.model.body(body).name.encode() in content
-        assert all(np.float64(number).tobytes() in content for number in data.xpos[body])
-
-
 def test_a_ros_2_bag_holds_every_row(run: Path, log: Log, tmp_path: Path) -> None:
     store = get_typestore(Stores.ROS2_HUMBLE)
     rows, angles = [], []
@@ -118,7 +89,7 @@ def test_a_cut_log_is_converted_as_far_as_it_is_whole(
 
 @pytest.mark.parametrize(
     "words",
-    [("--to", "xlsx"), ("--to", "csv", "--rate", "10"), ("--to", "foxglove", "--rate", "0"), ("--out", "/proc/x.csv")],
+    [("--to", "xlsx"), ("--to", "csv", "--rate", "10"), ("--out", "/proc/x.csv")],
 )
 def test_what_cannot_be_is_refused(run: Path, words: tuple[str, ...]) -> None:
     assert main(["log", "convert", str(run), *words]) == 2

@@ -6,8 +6,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
-
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, Outcome, printable
 from gaitsmith.documents import About
@@ -17,32 +15,26 @@ from gaitsmith.simulation.run_folder import LOG, check_file
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
-_ENDINGS = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz", "foxglove": ".foxglove.mcap", "ros2bag": ".bag"}
+_ENDINGS = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz", "ros2bag": ".bag"}
 
 
 class ConvertArguments(Arguments):
     """Write a run's log for other programs. Tables (csv, parquet, npz) hold every row and column.
 
-    foxglove holds joint states, transforms, the robot's shapes, forces, commands and counters in Foxglove's own
-    schemas, with the model attached; ros2bag holds joint states, the torso's transform and every column. parquet,
-    foxglove and ros2bag need pip install 'gaitsmith[logs]'.
+    ros2bag holds joint states, the torso's transform and every column. parquet and ros2bag need
+    pip install 'gaitsmith[logs]'. Foxglove and Rerun open the log itself.
     """
 
     run: Annotated[str, Positional("Folder of a run, or a log file", metavar="RUN")]
-    to: Annotated[Literal["csv", "parquet", "npz", "foxglove", "ros2bag"], About("Format", metavar="FORMAT")] = "csv"
+    to: Annotated[Literal["csv", "parquet", "npz", "ros2bag"], About("Format", metavar="FORMAT")] = "csv"
     out: Annotated[
         str | None, About("File (for ros2bag: folder) to write", metavar="FILE", absent="beside the log")
     ] = None
-    rate: Annotated[
-        float, Field(ge=1.0, le=1000.0), About("Instants a simulated second for foxglove", "Hz", metavar="HZ")
-    ] = 50.0
 
 
 def convert(words: list[str], program: str) -> Outcome:
     """Run the command."""
     arguments = parse(ConvertArguments, words, program)
-    if arguments.to != "foxglove" and arguments.rate != ConvertArguments.model_fields["rate"].default:
-        raise BadInput("--rate", arguments.rate, "nothing but with --to foxglove", "tables hold every row")
     log = Path(arguments.run)
     log = log / LOG if log.is_dir() else log
     path = check_file(arguments.out or str(log.with_suffix(_ENDINGS[arguments.to])))
@@ -57,16 +49,10 @@ def convert(words: list[str], program: str) -> Outcome:
             display.show("converting", f"{time:.1f} s")
 
         source = LogSource(log, tell)
-        if arguments.to in ("foxglove", "ros2bag"):
-            robot = _robot_of(source.head.notes)
-            if arguments.to == "foxglove":
-                from gaitsmith.reports.foxglove_file import write_foxglove
+        if arguments.to == "ros2bag":
+            from gaitsmith.reports.ros_bag import write_bag
 
-                write_foxglove(source, robot, path, arguments.rate)
-            else:
-                from gaitsmith.reports.ros_bag import write_bag
-
-                write_bag(source, robot, path)
+            write_bag(source, _robot_of(source.head.notes), path)
         else:
             {"csv": write_csv, "npz": write_npz, "parquet": write_parquet}[arguments.to](source, path)
     if not source.complete:

@@ -61,8 +61,9 @@ class Recording:
             self._file = made.log()
             write_text_atomic(folder / "scenario.toml", scenario_toml(scenario))
             first, *rest = simulation.columns.buffers
+            scene = simulation.scene_log()
             buffers = (self._time, first[1:], *rest)  # the first number is the time
-            self._recorder = Recorder(self._file, buffers, simulation.columns.names, notes, DECIMATION)
+            self._recorder = Recorder(self._file, buffers, simulation.columns.names, notes, DECIMATION, scene)
         except BadInput as error:
             self.trouble = str(error)
             return

@@ -11,14 +11,16 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Protocol
 
 import numpy as np
 import numpy.typing as npt
+from mcap.records import Attachment
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import deferred, open_regular, reason, replacing
-from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter, Event, Head, message_rows
+from gaitsmith.log.mcap_file import ChunkReader, Event, Head, message_rows
+from gaitsmith.log.mcap_writer import ChunkWriter, Messages, Topic
 
 DECIMATION = 4
 """Control ticks per row."""
@@ -77,6 +79,28 @@ class Log:
             writer.finish()
 
 
+class Scene(Protocol):
+    """What other programs draw of a run, made from its rows."""
+
+    @property
+    def topics(self) -> Sequence[Topic]:
+        """That it fills."""
+        ...
+
+    @property
+    def attachment(self) -> Attachment | None:
+        """File that goes with the log; None without one."""
+        ...
+
+    def begin(self) -> Sequence[Messages]:
+        """What does not change, once."""
+        ...
+
+    def show(self, rows: npt.NDArray[np.float64]) -> Sequence[Messages]:
+        """What is seen in (n, m) rows, n not 0."""
+        ...
+
+
 class Recorder:
     """Writes rows while a run goes: what is older than half a second of wall time is on disk.
 
@@ -86,6 +110,7 @@ class Recorder:
         columns: names of all numbers.
         notes: what is run, as plain data.
         decimation: control ticks per row.
+        scene: what other programs draw; nothing without one.
         clock: monotonic, s.
 
     Attributes:
@@ -103,6 +128,7 @@ class Recorder:
         columns: tuple[str, ...],
         notes: dict[str, Any],
         decimation: int = DECIMATION,
+        scene: Scene | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.decimation, self.dropped, self.closed, self._clock = decimation, 0, False, clock
@@ -112,8 +138,11 @@ class Recorder:
         self._sources = [(slice(end - len(source), end), source) for end, source in zip(ends, sources, strict=True)]
         self._count, self._events = 0, list[Event]()
         self._written_until, self._flushed = 0.0, clock()
+        self._scene, self._others = scene, [] if scene is None else list(scene.begin())
         with self._disk():
-            self._writer = ChunkWriter(file, Head(columns, decimation, 0, notes))
+            self._writer = ChunkWriter(file, Head(columns, decimation, 0, notes), () if scene is None else scene.topics)
+            if scene is not None and scene.attachment is not None:
+                self._writer.attach(scene.attachment)
 
     @property
     def rows(self) -> int:
@@ -153,7 +182,11 @@ class Recorder:
         with self._disk():
             kept = self._messages[: self._count]
             kept["row"] = self._rows[: self._count]
-            self._writer.write(kept, self._events)
+            if self._scene is not None and self._count:
+                self._others += self._scene.show(self._rows[: self._count])
+            if self._count or self._events:
+                self._writer.write(kept, self._events, self._others)
+                self._others = []
             if self._count:
                 self._written_until = float(self._rows[self._count - 1, 0])
             self._count, self._events, self._flushed = 0, [], self._clock()

@@ -12,8 +12,8 @@ import numpy as np
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.log import Log
 from gaitsmith.reports.log_tables import LogSource
-from gaitsmith.reports.video import positions
 from gaitsmith.robots import Robot
+from gaitsmith.simulation.scene_log import positions
 
 COLUMNS, JOINTS, TRANSFORMS = "/gaitsmith", "/joint_states", "/tf"
 _SECOND = 1_000_000_000  # ns

@@ -10,7 +10,7 @@ from matplotlib.image import imsave
 
 from gaitsmith.reports.rendering import Renderer
 from gaitsmith.reports.run import Run
-from gaitsmith.reports.video import positions
+from gaitsmith.simulation.scene_log import positions
 
 _SIZE = (240, 320)  # pixels of one picture
 _GAP = 6  # pixels

@@ -12,10 +12,9 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import regular_target
-from gaitsmith.log import Log
 from gaitsmith.reports.rendering import Renderer
 from gaitsmith.reports.run import Run
-from gaitsmith.robots import Robot
+from gaitsmith.simulation.scene_log import positions
 from gaitsmith.simulation.terrain import parse_terrain
 
 Array = npt.NDArray[np.float64]
@@ -34,23 +33,6 @@ def need_video() -> None:
         import_module("cv2")
     except ImportError:
         raise GaitsmithError("a video needs OpenCV: pip install 'gaitsmith[video]'") from None
-
-
-def positions(log: Log, robot: Robot) -> Array:
-    """(n, nq) the robot's position at every row of a log, as it truly was or as it was believed to be."""
-    true = "true." if "true.torso_z" in log.columns else "believed."
-    found = np.zeros((len(log.rows), robot.model.nq))
-    for column, axis in enumerate("xyz"):
-        found[:, column] = log.column(f"{true}torso_{axis}")
-    roll, pitch, yaw = (0.5 * log.column(f"{true}torso_{angle}") for angle in ("roll", "pitch", "yaw"))
-    (cr, cp, cy), (sr, sp, sy) = ((f(roll), f(pitch), f(yaw)) for f in (np.cos, np.sin))
-    found[:, 3] = cr * cp * cy + sr * sp * sy
-    found[:, 4] = sr * cp * cy - cr * sp * sy
-    found[:, 5] = cr * sp * cy + sr * cp * sy
-    found[:, 6] = cr * cp * sy - sr * sp * cy
-    for joint, name in enumerate(robot.joint_names):
-        found[:, 7 + joint] = log.column(f"joint_position.{name}")
-    return found
 
 
 def write_video(run: Run, path: Path, speed: float, tell: Callable[[int, int], None] = lambda done, total: None) -> int:

@@ -36,6 +36,7 @@ from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.remote import RemoteController
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.scenario import Scenario, check_scenario
+from gaitsmith.simulation.scene_log import SceneLog
 from gaitsmith.simulation.strides import Strides
 from gaitsmith.simulation.summary import LogCounts, Memory, Summary
 from gaitsmith.simulation.terrain import Region, parse_terrain
@@ -127,11 +128,12 @@ class Simulation:
             self.controller.load(self.plan, scenario.tracking)
         terrain = parse_terrain(scenario.terrain, scenario.seed)
         source = source_of(scenario, terrain, self.robot)
+        self._region = region or region_of(self.plan, scenario)
         self.plant = engine_of(scenario.engine)(
             self.robot,
             terrain=terrain,
             sensors=scenario.sensors if scenario.state == "estimated" else None,
-            region=region or region_of(self.plan, scenario),
+            region=self._region,
             props=balls_of(self.plan, self.robot),
             passing=passing,
             **scenario.model_dump(include=_PLANT),
@@ -198,7 +200,13 @@ class Simulation:
             "control_step": self.plant.control_step,
             "gait": self._commanded,
         }
-        return Recorder(file, self.columns.buffers, self.columns.names, notes, DECIMATION)
+        return Recorder(file, self.columns.buffers, self.columns.names, notes, DECIMATION, self.scene_log())
+
+    def scene_log(self) -> SceneLog:
+        """What other programs draw of a log of this run."""
+        ground = parse_terrain(self.scenario.terrain, self.scenario.seed).blocks(self._region or Region())
+        step = self.plant.control_step * DECIMATION
+        return SceneLog(self.robot, self.columns.names, step, ground, lambda: self.wall_times.lap())
 
     @property
     def time(self) -> float:

@@ -11,7 +11,8 @@ import numpy as np
 from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.errors import BadInput
 from gaitsmith.log.columns import Columns
-from gaitsmith.log.mcap_file import ChunkReader, ChunkWriter
+from gaitsmith.log.mcap_file import ChunkReader
+from gaitsmith.log.mcap_writer import ChunkWriter
 from gaitsmith.robots import load_robot
 from gaitsmith.simulation.diagnosis import suspects, weak_push
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
@@ -46,14 +47,23 @@ def survey(file: BinaryIO, source: str, copy: BinaryIO | None = None) -> Found:
     reader = ChunkReader(file, source)
     writer = ChunkWriter(copy, reader.head) if copy is not None else None
     rows, last = 0, 0.0
-    for block in reader:
+    for content, blocks in reader.chunks():
+        reader.events.clear()
         if writer is not None:
-            writer.write_rows(block, reader.events)
-            reader.events.clear()
-        rows, last = rows + len(block), float(block[-1, 0])
+            _attach(reader, writer)
+            writer.copy(content)
+        for block in blocks:
+            rows, last = rows + len(block), float(block[-1, 0])
     if writer is not None:
+        _attach(reader, writer)
         writer.finish()
     return Found(rows, last, reader.complete)
+
+
+def _attach(reader: ChunkReader, writer: ChunkWriter) -> None:
+    """Files that were in the log so far, into its copy."""
+    while reader.attachments:
+        writer.attach(reader.attachments.pop(0))
 
 
 def summary_of(path: Path) -> Summary:

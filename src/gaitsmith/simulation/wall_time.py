@@ -30,6 +30,7 @@ class WallTimes:
         self._counts = np.zeros(math.ceil(_BINS_PER_E * math.log(_MOST / _LEAST)) + 1, dtype=np.int64)
         self._block = np.zeros(_BLOCK, dtype=np.int64)
         self._filled, self._longest, self._overruns = 0, 0, 0
+        self._told, self._told_overruns = self._counts.copy(), 0
 
     def add(self, nanoseconds: int) -> None:
         """Take note of one tick."""
@@ -57,12 +58,26 @@ class WallTimes:
 
     def summary(self) -> TickTimes:
         """Median and 99th percentile within half a per cent, the longest, and the overruns."""
-        durations, counts = self.histogram()
-        if not len(counts):
-            return TickTimes(median=0.0, p99=0.0, max=0.0, overruns=0)
-        below = np.cumsum(counts)
-        median, late = (float(durations[np.searchsorted(below, share * below[-1])]) for share in (0.5, 0.99))
-        return TickTimes(median=median, p99=late, max=1e-3 * self._longest, overruns=self._overruns)
+        self._sort()
+        found = _summary(self._counts, self._overruns)
+        return found.model_copy(update={"max": 1e-3 * self._longest})
+
+    def lap(self) -> tuple[int, TickTimes]:
+        """How many ticks there were since this was called last, and how long they took, within half a per cent."""
+        self._sort()
+        counts, overruns = self._counts - self._told, self._overruns - self._told_overruns
+        self._told, self._told_overruns = self._counts.copy(), self._overruns
+        return int(counts.sum()), _summary(counts, overruns)
+
+
+def _summary(counts: npt.NDArray[np.int64], overruns: int) -> TickTimes:
+    """Of the ticks in the bins."""
+    below = np.cumsum(counts)
+    if not below[-1]:
+        return TickTimes(median=0.0, p99=0.0, max=0.0, overruns=0)
+    places = np.searchsorted(below, [0.5 * below[-1], 0.99 * below[-1], below[-1]])
+    median, late, longest = (1e-3 * _LEAST * math.exp(place / _BINS_PER_E) for place in places)
+    return TickTimes(median=median, p99=late, max=longest, overruns=overruns)
 
 
 class Stopwatch:
