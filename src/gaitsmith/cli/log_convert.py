@@ -22,7 +22,8 @@ class ConvertArguments(Arguments):
     """Write a run's log for other programs. Tables (csv, parquet, npz) hold every row and column.
 
     ros2bag holds joint states, the torso's transform and every column. parquet and ros2bag need
-    pip install 'gaitsmith[logs]'. Foxglove and Rerun open the log itself.
+    pip install 'gaitsmith[logs]'. Foxglove (robot, forces, footholds) and Rerun (frames,
+    values) open the log itself.
     """
 
     run: Annotated[str, Positional("Folder of a run, or a log file", metavar="RUN")]

@@ -12,7 +12,7 @@ import numpy as np
 from gaitsmith.errors import BadInput
 from gaitsmith.files import write_text_atomic
 from gaitsmith.log.record import DECIMATION, Recorder
-from gaitsmith.simulation.run_folder import LOG, NewFolder, scenario_toml, write_summary
+from gaitsmith.simulation.run_folder import LOG, NewFolder, log_notes, scenario_toml, write_summary
 
 if TYPE_CHECKING:
     from gaitsmith.simulation.episode import Simulation
@@ -49,13 +49,7 @@ class Recording:
         gait = simulation.controller.gait
         update = {} if simulation.plan else {**gait.model_dump(), "rest_before": 0.0}
         self._scenario = scenario = simulation.scenario.model_copy(update=update)
-        notes = {
-            "scenario": scenario.model_dump(mode="json"),
-            "robot": simulation.robot.card.name,
-            "robot_hash": simulation.robot.content_hash,
-            "control_step": simulation.plant.control_step,
-            "gait": gait.model_dump(),
-        }
+        notes = log_notes(scenario, simulation.robot, simulation.plant.control_step, gait.model_dump())
         try:
             made = NewFolder(folder)
             self._file = made.log()

@@ -32,7 +32,7 @@ from gaitsmith.log.mcap_file import (
     message_rows,
 )
 
-_SCHEMA = "gaitsmith/msg/Tick"
+_SCHEMA, _OBJECT = "gaitsmith/msg/Tick", "gaitsmith.Object"
 _LEVEL = -1  # of compression: twice as fast as 1, and the file a fiftieth larger
 Index = npt.NDArray[np.uint64]
 
@@ -42,7 +42,7 @@ class Topic(NamedTuple):
 
     Attributes:
         name: of the topic.
-        schema: name of the messages' schema; empty for JSON without one.
+        schema: name of the messages' schema; empty for JSON.
         descriptor: the schema, a set of Protocol Buffers' file descriptors.
     """
 
@@ -257,12 +257,13 @@ def _names(head: Head, topics: Sequence[Topic]) -> Iterable[bytes]:
     """Records of the schemas and the channels."""
     text = "".join(f"float64 {name}\n" for name in field_names(head.columns))
     yield _packed(mcap.Schema(id=1, name=_SCHEMA, encoding="ros2msg", data=text.encode()))
+    yield _packed(mcap.Schema(id=2, name=_OBJECT, encoding="jsonschema", data=b'{"type": "object"}'))
     yield _packed(mcap.Channel(id=ROWS, topic=TOPIC, message_encoding="cdr", schema_id=1, metadata={}))
-    yield _packed(mcap.Channel(id=TOLD, topic=EVENTS, message_encoding="json", schema_id=0, metadata={}))
-    known: dict[str, int] = {"": 0}
+    yield _packed(mcap.Channel(id=TOLD, topic=EVENTS, message_encoding="json", schema_id=2, metadata={}))
+    known: dict[str, int] = {"": 2}
     for channel, topic in enumerate(topics, TOLD + 1):
         if topic.schema not in known:
-            known[topic.schema] = schema = 1 + len(known)
+            known[topic.schema] = schema = 2 + len(known)
             yield _packed(mcap.Schema(id=schema, name=topic.schema, encoding="protobuf", data=topic.descriptor))
         schema, encoding = known[topic.schema], "protobuf" if topic.schema else "json"
         yield _packed(

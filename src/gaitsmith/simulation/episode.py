@@ -35,6 +35,7 @@ from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.remote import RemoteController
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
+from gaitsmith.simulation.run_folder import log_notes
 from gaitsmith.simulation.scenario import Scenario, check_scenario
 from gaitsmith.simulation.scene_log import SceneLog
 from gaitsmith.simulation.strides import Strides
@@ -126,12 +127,12 @@ class Simulation:
         if self.plan is not None:
             self.controller.reset()
             self.controller.load(self.plan, scenario.tracking)
-        terrain = parse_terrain(scenario.terrain, scenario.seed)
-        source = source_of(scenario, terrain, self.robot)
+        self._terrain = parse_terrain(scenario.terrain, scenario.seed)
+        source = source_of(scenario, self._terrain, self.robot)
         self._region = region or region_of(self.plan, scenario)
         self.plant = engine_of(scenario.engine)(
             self.robot,
-            terrain=terrain,
+            terrain=self._terrain,
             sensors=scenario.sensors if scenario.state == "estimated" else None,
             region=self._region,
             props=balls_of(self.plan, self.robot),
@@ -193,19 +194,12 @@ class Simulation:
 
     def _make_recorder(self, file: BinaryIO) -> Recorder:
         """Recorder of the controller's telemetry and the plant's truth."""
-        notes = {
-            "scenario": self.scenario.model_dump(mode="json"),
-            "robot": self.robot.card.name,
-            "robot_hash": self.robot.content_hash,
-            "control_step": self.plant.control_step,
-            "gait": self._commanded,
-        }
+        notes = log_notes(self.scenario, self.robot, self.plant.control_step, self._commanded)
         return Recorder(file, self.columns.buffers, self.columns.names, notes, DECIMATION, self.scene_log())
 
     def scene_log(self) -> SceneLog:
         """What other programs draw of a log of this run."""
-        ground = parse_terrain(self.scenario.terrain, self.scenario.seed).blocks(self._region or Region())
-        step = self.plant.control_step * DECIMATION
+        step, ground = self.plant.control_step * DECIMATION, self._terrain.blocks(self._region or Region())
         return SceneLog(self.robot, self.columns.names, step, ground, lambda: self.wall_times.lap())
 
     @property

@@ -10,13 +10,14 @@ import os
 import shutil
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from gaitsmith.documents import toml
 from gaitsmith.errors import BadInput
 from gaitsmith.files import lock, reason, regular_target, why_unwritable, write_text_atomic
 
 if TYPE_CHECKING:
+    from gaitsmith.robots import Robot
     from gaitsmith.simulation import Scenario, Summary
 
 LOG, SUMMARY = "log.mcap", "summary.json"
@@ -63,6 +64,17 @@ def check_new_folder(name: str, field: str = "--out") -> Path:
     if why := why_unwritable(parent):
         raise BadInput(field, name, "a folder whose parent can be written", f"{parent}: {why}; choose another place")
     return folder
+
+
+def log_notes(scenario: Scenario, robot: Robot, step: float, gait: dict[str, Any]) -> dict[str, Any]:
+    """What a log says of its run: scenario, robot, control period (s), and the gait inputs commanded first."""
+    return {
+        "scenario": scenario.model_dump(mode="json"),
+        "robot": robot.card.name,
+        "robot_hash": robot.content_hash,
+        "control_step": step,
+        "gait": gait,
+    }
 
 
 class NewFolder:

@@ -1,4 +1,4 @@
-"""What Foxglove and Rerun draw of a run, in Foxglove's own schemas: the robot moves there without any set-up.
+"""What Foxglove draws of a run, in its own schemas: the robot moves there without any set-up; in Rerun, its frames.
 
 Topics: ``/tf`` (every body in the world), ``/joint_states``, ``/robot`` (its shapes, fixed to the bodies' frames, and
 the blocks of the ground), ``/steps`` (forces under the soles as arrows, and where the swing sole is told to land) and
