@@ -335,3 +335,20 @@ def at_rest(model: Any, rotation: Any = None, position: Any = None) -> BodyMotio
     p = ca.DM.zeros(3) if position is None else ca.DM(position)
     zero = ca.DM.zeros(3)
     return BodyMotion(R, p, zero, zero, zero, -ca.mtimes(R.T, ca.DM(model.opt.gravity)))
+
+
+def about_edge(model: Any, rotation: Array, point: Array, angle: Any, rate: Any, pull: Any) -> BodyMotion:
+    """Motion of a root that turns about the inertial frame's x axis, on which a point of it stays.
+
+    Args:
+        model: the ``MjModel``.
+        rotation: (3, 3) root to inertial frame at angle zero.
+        point: (3,) in the root's frame, at the inertial frame's origin, m.
+        angle, rate, pull: rad, rad/s, rad/s².
+    """
+    R = ca.mtimes(_turn(np.array([1.0, 0.0, 0.0]), angle), ca.DM(rotation))
+    axis, arm = ca.DM(rotation.T[:, 0]), ca.DM(-point)
+    omega, alpha = axis * rate, axis * pull
+    speed = ca.cross(omega, arm)
+    pulled = ca.cross(alpha, arm) + ca.cross(omega, speed) - ca.mtimes(R.T, ca.DM(model.opt.gravity))
+    return BodyMotion(R, ca.mtimes(R, arm), omega, speed, alpha, pulled)

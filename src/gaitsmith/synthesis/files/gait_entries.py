@@ -72,6 +72,7 @@ class _Section(Parameters):
     joints: _Table
     torque: _Table
     wrench: Annotated[tuple[_Row, ...], Field(min_length=CHANNELS, max_length=CHANNELS)]
+    lean: Annotated[tuple[_Row, ...], Field(max_length=1)] = ()
 
 
 class _PhaseEntry(Parameters):
@@ -207,6 +208,7 @@ def _pieces(phase: _PhaseEntry, field: str, clock: float, joints: int) -> tuple[
             _table(section.joints, joints, 3, f"{place}.joints"),
             _table(section.torque, joints, 1, f"{place}.torque"),
             _table(section.wrench, CHANNELS, 1, f"{place}.wrench"),
+            _table(section.lean, len(section.lean), 3, f"{place}.lean") if section.lean else np.zeros((0, 1)),
         )
         _check_curves(piece, place)
         found.append(piece)
@@ -233,17 +235,15 @@ def _check_curves(piece: Piece, field: str) -> None:
     The sum of the coefficients' sizes is an upper bound of a curve over its section, for powers and for Chebyshev
     polynomials alike.
     """
-    powers = np.arange(piece.joints.shape[1])
     with np.errstate(over="ignore"):
-        sizes = np.abs(piece.joints)
-        found = {
-            "angle": ("joints", sizes),
-            "velocity": ("joints", sizes * (powers / piece.duration)),
-            "acceleration": ("joints", sizes * (powers * (powers - 1.0) / piece.duration**2)),
-            "torque": ("torque", np.abs(piece.torque)),
-            "wrench": ("wrench", np.abs(piece.wrench)),
-        }
-        for name, (key, terms) in found.items():
+        found = [("torque", "torque", np.abs(piece.torque)), ("wrench", "wrench", np.abs(piece.wrench))]
+        for key in ("joints", "lean"):
+            sizes = np.abs(getattr(piece, key))
+            powers = np.arange(sizes.shape[1])
+            rates = sizes * (powers / piece.duration), sizes * (powers * (powers - 1.0) / piece.duration**2)
+            terms = zip(("angle", "velocity", "acceleration"), (sizes, *rates), strict=True)
+            found += [(name, key, values) for name, values in terms if len(values)]
+        for name, key, terms in found:
             largest = terms.sum(axis=1)
             row = int(np.argmax(largest))
             if not largest[row] <= LARGEST[name]:

@@ -42,34 +42,43 @@ class StateFinder:
         self._jacobian = np.zeros((6, robot.model.nv))
         self._rate = np.zeros((6, robot.model.nv))
 
-    def find(self, support: str, foothold: tuple[float, ...], q: Array, v: Array, a: Array) -> FullState:
+    def find(
+        self, support: str, foothold: tuple[float, ...], q: Array, v: Array, a: Array, lean: Array | None = None
+    ) -> FullState:
         """Full state with the support sole at ``foothold``, flat, its axes along the world's, standing still.
 
         Args:
             support: left or right.
             foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n,) joint angles, velocities and accelerations.
+            lean: (3,) of a line sole, its roll about its line, rad, and two derivatives; none if None.
         """
+        roll, rate, pull = (0.0, 0.0, 0.0) if lean is None else lean
         model, data, site = self.model, self.data, self._sites[support]
         data.qpos[:7] = (0, 0, 0, 1, 0, 0, 0)
         data.qpos[7:] = q
         mujoco.mj_kinematics(model, data)
         turn = data.site_xmat[site].reshape(3, 3).T.copy()
+        if roll:
+            c, s = np.cos(roll), np.sin(roll)
+            turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]) @ turn
         data.qpos[:3] = np.array([*foothold, 0.0][:3]) - turn @ data.site_xpos[site]
         mujoco.mju_mat2Quat(data.qpos[3:7], turn.ravel())
         data.qvel[:6] = 0.0
         data.qvel[6:] = v
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
-        J, rate = self._jacobian, self._rate
+        J, moved = self._jacobian, self._rate
         mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
         still = -np.linalg.inv(J[:, :6])
-        data.qvel[:6] = still @ (J[:, 6:] @ v)
+        spin, bend = np.zeros(6), np.zeros(6)
+        spin[3], bend[3] = rate, pull
+        data.qvel[:6] = still @ (J[:, 6:] @ v - spin)
         mujoco.mj_comVel(model, data)
         body = int(model.site_bodyid[site])
-        mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.site_xpos[site], body)
+        mujoco.mj_jacDot(model, data, moved[:3], moved[3:], data.site_xpos[site], body)
         data.qacc[6:] = a
-        data.qacc[:6] = still @ (J[:, 6:] @ a + rate @ data.qvel)
+        data.qacc[:6] = still @ (J[:, 6:] @ a + moved @ data.qvel - bend)
         return FullState(data.qpos.copy(), data.qvel.copy(), data.qacc.copy())
 
     def foot(self, side: str, point: Array) -> tuple[Array, Array, Array, Array, Array, Array]:

@@ -15,6 +15,8 @@ from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit,
 
 Array = npt.NDArray[np.float64]
 _BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded
+LEAN_DEGREE = 14
+"""Of the polynomials of a line sole's lean: no joint drives it, and its equation of motion has to hold."""
 CHANNELS = 12  # left force, left moment, right force, right moment
 _PLACES = ("ankle", "sole", "toe", "heel")  # what has a place in the world
 
@@ -30,6 +32,8 @@ class Piece:
         torque: (n, m) Chebyshev coefficients over the section, N·m.
         wrench: (12, m) Chebyshev coefficients of left force and moment, right force and moment; world axes, about the
             sole frame's origin, N and N·m.
+        lean: (1, k) coefficients of 1, s, s² ... of the support sole's roll about its line, rad; (0, k) of soles with an
+            area, which stand flat.
     """
 
     start: float
@@ -37,6 +41,7 @@ class Piece:
     joints: Array
     torque: Array
     wrench: Array
+    lean: Array = field(default_factory=lambda: np.zeros((0, 1)))
 
     @cached_property
     def torque_slope(self) -> Array:
@@ -83,6 +88,13 @@ class Gait:
             found[:, :, mask] = polynomial(piece.joints, s, piece.duration)
         return found[0], found[1], found[2]
 
+    def leans(self, phase: int, times: Array) -> Array:
+        """(3, N) the support sole's roll about its line, rad, and two derivatives; zero of soles with an area."""
+        found = np.zeros((3, len(times)))
+        for piece, mask, s in self._split(phase, times):
+            found[:, mask] = lean_of(piece, s)
+        return found
+
     def torques(self, phase: int, times: Array) -> Array:
         """Joint torques (n, N), N·m."""
         return self._series(phase, times, "torque", len(self.joint_names))
@@ -120,6 +132,11 @@ class Gait:
             if len(mask):
                 found.append((piece, mask, np.clip((times[mask] - piece.start) / piece.duration, 0.0, 1.0)))
         return found
+
+
+def lean_of(piece: Piece, s: Array) -> Array:
+    """(3, N) the support sole's lean at normalised times, and two derivatives."""
+    return polynomial(piece.lean, s, piece.duration).sum(axis=1)
 
 
 def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int) -> Gait:
@@ -168,11 +185,11 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
     for group in gait.pieces:
         moved = []
         for piece in group:
-            joints, torque, wrench = piece.joints, piece.torque, piece.wrench
+            joints, torque, wrench, lean = piece.joints, piece.torque, piece.wrench, flip * piece.lean
             if mirror:
                 joints, torque = joints[partner] * sign[:, None], torque[partner] * sign[:, None]
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
-            moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench))
+            moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench, lean))
         pieces.append(tuple(moved))
     conditions = tuple(_moved(item, (dx, dy, dz), flip, partner, sign) for item in gait.motion.conditions)
     return replace(gait, motion=replace(gait.motion, phases=phases, conditions=conditions), pieces=tuple(pieces))

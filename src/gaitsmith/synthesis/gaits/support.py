@@ -54,6 +54,10 @@ def zmp(phase: Phase, wrench: Array) -> Array:
 
 def inside(corners: Array, points: Array) -> Array:
     """(N,) distance of points (2, N) from the edge of a convex hull (M, 2), m; negative outside."""
+    if len(corners) == 2:  # a line: its ends are its edge
+        along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
+        share, length = along @ (points - corners[0][:, None]), float(np.linalg.norm(corners[1] - corners[0]))
+        return np.asarray(np.minimum(share, length - share))
     edges = np.roll(corners, -1, axis=0) - corners
     normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
     return np.asarray((normals @ points - np.sum(normals * corners, axis=1)[:, None]).min(axis=0))

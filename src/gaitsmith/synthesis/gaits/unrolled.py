@@ -91,9 +91,10 @@ class UnrolledGait:
         for number in np.unique(index).tolist():
             phase, mask = pair.motion.phases[number], np.flatnonzero(index == number)
             q, v, a = (values.T for values in pair.joints(number, within[mask]))
+            lean = pair.leans(number, within[mask]).T
             for k, row in enumerate(mask.tolist()):
                 x, y = phase.foothold + away[row]
-                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k])
+                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k], lean[k])
                 found.position[row], found.velocity[row] = state.position, state.velocity
                 found.acceleration[row], found.com[row] = state.acceleration, self._finder.centre_of_mass()
             found.torque[mask] = pair.torques(number, within[mask]).T

@@ -12,7 +12,7 @@ from gaitsmith.planned import ContactPhase, Plan, PlanTable, Schedule
 from gaitsmith.planned.schedule import BY_CLOCK, BY_CONTACT
 from gaitsmith.planned.table import ENDLESS, PER_SOLE, SOLES, TERMS
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow, polynomial
+from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow, lean_of, polynomial
 from gaitsmith.synthesis.gaits.plan_sections import Sections
 from gaitsmith.synthesis.motions.biped import biped_from
 from gaitsmith.synthesis.motions.motion import Phase
@@ -164,10 +164,10 @@ def _described(
     """The table with what a run asks about the plan."""
     (first, first_pieces), (last, last_pieces) = row[0], row[-1]
     q, v, a = polynomial(first_pieces[0].joints, np.zeros(1), first_pieces[0].duration)[:, :, 0]
-    began = sections.finder.find(first.support, first.stand, q, v, a)
+    began = sections.finder.find(first.support, first.stand, q, v, a, lean_of(first_pieces[0], np.zeros(1))[:, 0])
     com = sections.finder.centre_of_mass()
     q, final, a = polynomial(last_pieces[-1].joints, np.ones(1), last_pieces[-1].duration)[:, :, 0]
-    sections.finder.find(last.support, last.stand, q, final, a)
+    sections.finder.find(last.support, last.stand, q, final, a, lean_of(last_pieces[-1], np.ones(1))[:, 0])
     travel = sections.finder.centre_of_mass() - com
     times = table.duration[table.sequence]
     duration = float(times.sum())

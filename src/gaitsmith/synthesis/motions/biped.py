@@ -21,6 +21,7 @@ from gaitsmith.synthesis.motions.standing import standing_joints
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 REST = 1.0 / 13.0  # share of the hips' height with straight legs by which they are lower at rest
+_LINE_JOINTS = (4, 5, 6)  # of a leg whose sole is a line
 _SYMMETRY = 1e-7  # relative; left and right halves written with a few digits agree better
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _PHYSICS = (
@@ -47,7 +48,9 @@ _PHYSICS = (
 
 @dataclass(frozen=True, eq=False)
 class Biped:
-    """A robot with two legs of six joints and soles with an area; of the joints outside the legs some may be held.
+    """A robot with two legs of six joints and soles with an area, or soles that are lines; joints elsewhere may be held.
+
+    A line sole may roll about its line, which no joint drives: its *lean* is a coordinate beside the joints' angles.
 
     Attributes:
         robot: the robot as loaded.
@@ -78,6 +81,29 @@ class Biped:
     def joints(self) -> int:
         """Number of joints n that move."""
         return len(self.index)
+
+    @property
+    def lines(self) -> bool:
+        """Whether the soles are lines."""
+        return self.robot.legs[0].sole.kind == "line"
+
+    @property
+    def leans(self) -> int:
+        """Coordinates beside the joints: of line soles the right one's lean and the left one's, positive about +x."""
+        return 2 if self.lines else 0
+
+    @property
+    def coordinates(self) -> int:
+        """Joints and leans."""
+        return self.joints + self.leans
+
+    @cached_property
+    def image(self) -> tuple[Indices, Array]:
+        """(c,) of every coordinate the one that takes its place in the mirror image, and its sign there."""
+        if not self.leans:
+            return self.partner, self.sign
+        swapped = np.array([self.joints + 1, self.joints])
+        return np.concatenate([self.partner, swapped]), np.concatenate([self.sign, (-1.0, -1.0)])
 
     @property
     def model(self) -> Any:
@@ -122,7 +148,7 @@ class Biped:
             digest.update(np.ascontiguousarray(getattr(self.model, name)).tobytes())
         for values in (self.model.opt.gravity, self.index, self.partner, self.sign, self.home[self.held]):
             digest.update(np.array(values).tobytes())
-        digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric]))
+        digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric, self.lines]))
         return digest.hexdigest()
 
     def leg(self, name: str) -> Leg:
@@ -136,6 +162,13 @@ class Biped:
     def sole(self, name: str) -> Sole:
         """Shape of a leg's sole."""
         return self.leg(name).sole
+
+    @property
+    def narrowest(self) -> float:
+        """Half of a sole's least width, or of the length of a line, m."""
+        soles = [leg.sole for leg in self.robot.legs]
+        lengths = [(sole.heel + sole.toe) / 2.0 for sole in soles]
+        return min(lengths if self.lines else [*lengths, *(sole.half_width for sole in soles)])
 
     def corners(self, contact: Contact, foot: Side) -> Array:
         """(N, 2) corners of a sole that touch the ground in a contact, sole frame, m."""
@@ -152,8 +185,9 @@ class Biped:
         return np.array([*corners.mean(axis=0), 0.0]) if turns else np.zeros(3)
 
     def mirrored(self, values: Array) -> Array:
-        """Joint angles, velocities, accelerations or torques (..., n) of the mirror image."""
-        return np.asarray(values[..., self.partner] * self.sign)
+        """Joint angles, velocities, accelerations or torques (..., n) of the mirror image; of coordinates (..., c)."""
+        partner, sign = self.image if values.shape[-1] == self.coordinates else (self.partner, self.sign)
+        return np.asarray(values[..., partner] * sign)
 
 
 def _mirror(robot: Robot) -> tuple[Indices, Array]:
@@ -216,12 +250,14 @@ def biped_from(robot: Robot, free: Sequence[str] | None = None) -> Biped:
         free: joints outside the legs that move; all of them if None. The others stay where the controller holds them.
 
     Raises:
-        BadInput: legs of other than six joints, soles that are lines, or joints that are not there or in a leg.
+        BadInput: legs or soles that cannot be planned for, or joints that are not there or in a leg.
     """
+    lines = [leg.sole.kind == "line" for leg in robot.legs]
     for leg in robot.legs:
-        if len(leg.joints) != 6 or leg.sole.kind == "line":
+        if len(leg.joints) not in (_LINE_JOINTS if all(lines) else (6,)) or any(lines) != all(lines):
             given = f"{len(leg.joints)} joints, {leg.sole.kind} sole"
-            raise BadInput("robot", given, "legs with six joints and soles with an area", "gaitsmith walk takes others")
+            valid = "legs with six joints and soles with an area, or with four to six and soles that are lines"
+            raise BadInput("robot", given, valid, "gaitsmith walk takes others")
     legs = np.concatenate([leg.joint_indices for leg in robot.legs])
     others = [name for k, name in enumerate(robot.joint_names) if k not in legs]
     for name in free or ():
@@ -273,3 +309,15 @@ def standing(biped: Biped, height: float | None = None) -> Array:
         BadInput: the legs do not reach.
     """
     return _standing(biped, height)[biped.index]
+
+
+def standing_leans(biped: Biped, joints: Array) -> Array:
+    """(leans,) of the soles, right and left, with the torso upright, rad."""
+    if not biped.lines:
+        return np.zeros(0)
+    data = mujoco.MjData(biped.model)
+    data.qpos[7:] = biped.home
+    data.qpos[7 + biped.index] = joints
+    mujoco.mj_kinematics(biped.model, data)
+    rotations = [data.site(biped.leg(name).sole_site).xmat.reshape(3, 3) for name in ("right", "left")]
+    return np.array([np.arctan2(rotation[2, 1], rotation[2, 2]) for rotation in rotations])

@@ -95,8 +95,9 @@ def record(kind: str, values: object) -> dict[str, float]:
 
 def sections_of(biped: Biped, duration: float, double: bool) -> int:
     """Spline sections of a phase: short beside the time in which the robot falls, shorter where the chain is closed."""
-    longest = (_DOUBLE if double else _SINGLE) * biped.fall_time
-    return min(max(2 if double else 1, math.ceil(duration / longest)), _MOST)
+    short = double or biped.lines  # of lines the leans are to follow the program's closely
+    longest = (_DOUBLE if short else _SINGLE) * biped.fall_time
+    return min(max(2 if short else 1, math.ceil(duration / longest)), _MOST)
 
 
 def _swing(biped: Biped, step: StepParameters, support: Side, foothold: Point) -> list[Phase]:
@@ -111,6 +112,12 @@ def _swing(biped: Biped, step: StepParameters, support: Side, foothold: Point) -
 
 def _transfer(biped: Biped, step: StepParameters, support: Side, foothold: Point, landing: Point) -> list[Phase]:
     double = step.period * step.double_support
+    if biped.lines:  # a line that turns about its end is a point, about which nothing keeps the foot from yawing
+        sections = sections_of(biped, 0.5 * double, True)
+        return [
+            Phase("load", 0.5 * double, support, "flat", foothold, landing, sections),
+            Phase("unload", 0.5 * double, opposite(support), "flat", landing, foothold, sections),
+        ]
     heel, toe = double * step.heel_share, double * step.toe_share
     flat = double - heel - toe
     counts = [sections_of(biped, duration, True) for duration in (heel, flat, toe)]
@@ -144,10 +151,13 @@ def cyclic(biped: Biped, step: StepParameters) -> Motion:
     half = biped.width / 2.0
     here, there, further = (0.0, -half), (step.length, half), (2.0 * step.length, -half)
     phases = _swing(biped, step, "right", here) + _transfer(biped, step, "right", here, there)
-    conditions = [*_apex(biped, step, 1), _strike(step, 2), _off(step, 5)]
+    first, steps = len(phases), 1 if biped.symmetric else 2
     if not biped.symmetric:
         phases += _swing(biped, step, "left", there) + _transfer(biped, step, "left", there, further)
-        conditions += [*_apex(biped, step, 6), _strike(step, 7), _off(step, 10)]
+    conditions: list[Condition] = []
+    for border in range(0, steps * first, first):
+        conditions += _apex(biped, step, border + 1)
+        conditions += [] if biped.lines else [_strike(step, border + 2), _off(step, border + first)]
     return Motion("cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=record("cyclic", step))
 
 

@@ -112,7 +112,8 @@ class Settings(Parameters):
             sizes = [leg.sole.heel + leg.sole.toe + 2.0 * leg.sole.half_width for leg in biped.robot.legs]
             lengths["yaw_friction"] = _YAW * min(sizes)
         halves = [leg.sole.half_width for leg in biped.robot.legs]
-        for name, most in (("zmp_margin", _NARROW * min(halves)), ("foot_gap", 0.5 * (biped.width - sum(halves)))):
+        narrow = _NARROW * biped.narrowest
+        for name, most in (("zmp_margin", narrow), ("foot_gap", 0.5 * (biped.width - sum(halves)))):
             if name in lengths:
                 lengths[name] = min(lengths[name], max(most, 0.0))
         bounds = self.bounds.model_copy(update=lengths)

@@ -15,12 +15,12 @@ import numpy as np
 from gaitsmith.dynamics import symbolic
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Side, opposite
-from gaitsmith.synthesis.point.layout import PointLayout, sides_of
+from gaitsmith.synthesis.point.layout import PointLayout, layout_of, sides_of
 
 
 def point_expressions(biped: Biped) -> list[Any]:
     """Value, Jacobian and Hessian for every support foot of :func:`sides_of`, in CasADi's virtual machine."""
-    layout = PointLayout(biped.joints)
+    layout = layout_of(biped)
     z, pivot = ca.SX.sym("z", layout.inputs), ca.SX.sym("pivot", 3)
     multipliers = ca.SX.sym("l", layout.twist)
     cores = []
@@ -51,19 +51,24 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
     sign = biped.sign if left else np.ones(n)
     order = biped.partner if left else np.arange(n)
     q, v, a = ca.SX.zeros(model.nq), ca.SX.zeros(model.nv), ca.SX.zeros(model.nv)
+    layout = layout_of(biped)
     for local, joint in enumerate(biped.index[order].tolist()):
-        q[7 + joint], v[6 + joint], a[6 + joint] = (sign[local] * z[k * n + local] for k in range(3))
-    u = z[3 * n :]
+        places = (layout.position + local, layout.velocity + local, layout.acceleration + local)
+        q[7 + joint], v[6 + joint], a[6 + joint] = (sign[local] * z[k] for k in places)
+    u = z[layout.wrench :]
     support, other = biped.leg(side), biped.leg(opposite(side))
     turn = support.sole_rotation.T
     start = symbolic.at_rest(model, turn, -turn @ support.sole_position)
+    if layout.leans:
+        lean = [(-1.0 if left else 1.0) * z[k + n] for k in (layout.position, layout.velocity, layout.acceleration)]
+        start = symbolic.about_edge(model, turn, support.sole_position, *lean)
     point = ca.DM(other.sole_position) + ca.mtimes(ca.DM(other.sole_rotation), ca.mtimes(mirror, pivot))
     wrench = symbolic.ExternalWrench(other.sole_body, point, ca.mtimes(mirror, u[:3]), ca.mtimes(axial, u[3:]))
     held = {6 + joint: float(biped.home[joint]) for joint in biped.held.tolist()}
     found = symbolic.newton_euler(model, support.sole_body, start, q, v, a, (wrench,), held)
     torque = [sign[k] * found.generalized[6 + joint] for k, joint in enumerate(biped.index[order].tolist())]
-    force = ca.mtimes(ca.DM(turn), found.root_force)
-    moment = ca.mtimes(ca.DM(turn), found.root_moment) + ca.cross(start.position, force)
+    force = ca.mtimes(start.rotation, found.root_force)
+    moment = ca.mtimes(start.rotation, found.root_moment) + ca.cross(start.position, force)
     foot, torso = found.motion[other.sole_body], found.motion[biped.robot.torso_body]
     sole = ca.mtimes([mirror, foot.rotation, ca.DM(other.sole_rotation), mirror])
     body = ca.mtimes([mirror, torso.rotation, mirror])
@@ -90,7 +95,13 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         ca.mtimes(mirror, foot.position),
         ca.mtimes(turned, foot.velocity),
         sole[0, 0],
+        *([_lean_gap(sole, z[layout.position + n + 1])] if layout.leans else []),
     )
+
+
+def _lean_gap(sole: Any, lean: Any) -> Any:
+    """Sine of a sole's roll about its line, which points along x, less its lean."""
+    return sole[2, 1] * ca.cos(lean) - sole[2, 2] * ca.sin(lean)
 
 
 def _products(layout: PointLayout, plain: Any, z: Any, weight: float) -> Any:

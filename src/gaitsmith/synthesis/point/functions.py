@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.point.caller import Caller
-from gaitsmith.synthesis.point.layout import KINDS, PointLayout
+from gaitsmith.synthesis.point.layout import KINDS, PointLayout, layout_of
 from gaitsmith.synthesis.point.library import point_library
 
 _KEPT = 64  # mapped functions that are remembered
@@ -102,4 +102,4 @@ def point_functions(biped: Biped, notify: Callable[[str], None] | None = None) -
 
         loaded = point_expressions(biped)
     sides = tuple((loaded[k], loaded[k + 1], loaded[k + 2]) for k in range(0, len(loaded), 3))
-    return PointFunctions(PointLayout(biped.joints), sides, compiled, spent)
+    return PointFunctions(layout_of(biped), sides, compiled, spent)

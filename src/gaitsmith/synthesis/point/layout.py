@@ -23,8 +23,10 @@ class PointLayout:
 
     Attributes:
         joints: n.
+        leans: 2 for line soles, else 0: the support sole's roll about its line, and the other's, rad.
+        coordinates: c = n + leans.
         inputs, outputs: how many numbers there are.
-        position, velocity, acceleration: inputs: joint angles (n), rad, rad/s, rad/s².
+        position, velocity, acceleration: inputs: joint angles, then leans (c), rad, rad/s, rad/s².
         wrench: inputs: u on the other foot: force (3), N, then moment about the pivot (3), N·m.
         torque: of the joints (n), N·m.
         force: on the support sole (3), N; its moment follows.
@@ -37,20 +39,28 @@ class PointLayout:
         torso_yaw, torso_pitch, torso_roll: entries (1, 0), minus (2, 0), (2, 1) of the torso's rotation; the pitch is
             positive when it leans forward.
         ankle, ankle_velocity: of the other ankle (3), m, m/s.
+        lean_gap: of line soles: sine of the other sole's roll less its lean.
         twist: vertical moment about the centre of pressure times the normal force, over the weight, N·m; of the support
             sole, then of the other.
         load: square of the normal force over the weight, N; on the support sole, then on the other.
     """
 
-    def __init__(self, joints: int) -> None:
+    def __init__(self, joints: int, leans: int = 0) -> None:
         self.joints = n = joints
-        self.position, self.velocity, self.acceleration, self.wrench = 0, n, 2 * n, 3 * n
-        self.inputs = 3 * n + 6
+        self.leans, self.coordinates = leans, n + leans
+        self.position, self.velocity, self.acceleration, self.wrench = (k * self.coordinates for k in range(4))
+        self.inputs = self.wrench + 6
         self.torque, self.force, self.moment = 0, n, n + 3
         self.pivot, self.foot_yaw, self.foot_pitch, self.foot_roll = n + 6, n + 9, n + 10, n + 11
         self.pivot_velocity, self.foot_omega = n + 12, n + 15
         self.pivot_acceleration, self.foot_alpha = n + 18, n + 21
         self.hip_height, self.torso_yaw, self.torso_pitch, self.torso_roll = n + 24, n + 25, n + 26, n + 27
         self.ankle, self.ankle_velocity, self.foot_forward = n + 28, n + 31, n + 34
-        self.twist, self.load = n + 35, n + 37
-        self.outputs = n + 39
+        self.lean_gap = n + 35
+        self.twist = n + 35 + leans // 2
+        self.load, self.outputs = self.twist + 2, self.twist + 4
+
+
+def layout_of(biped: Biped) -> PointLayout:
+    """The layout of a robot's points."""
+    return PointLayout(biped.joints, biped.leans)

@@ -20,7 +20,7 @@ import casadi as ca
 
 from gaitsmith.cache_folder import cache_root, private_folder
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.point.layout import KINDS, PointLayout, sides_of
+from gaitsmith.synthesis.point.layout import KINDS, layout_of, sides_of
 
 _OPTIONS = ("-O1", "-fPIC", "-shared", "-fno-math-errno")
 _HERE = Path(__file__).resolve().parent
@@ -81,7 +81,7 @@ def _no_compiler() -> str:
 
 def _key(biped: Biped, compiler: str) -> str:
     """Hash of everything that decides the machine code."""
-    layout = PointLayout(biped.joints)
+    layout = layout_of(biped)
     digest = hashlib.sha256(biped.dynamics_hash.encode())
     sizes = f"{layout.inputs} {layout.outputs} {layout.wrench}"
     for part in (version("casadi"), compiler, " ".join(_OPTIONS), os.uname().machine, sizes):

@@ -14,6 +14,7 @@ from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+_PASSIVE = 10.0  # of the robot's unit of torque: rows of comparable size
 
 
 def _point(points: Points, phase: int, time: float) -> int:
@@ -27,7 +28,8 @@ def _point(points: Points, phase: int, time: float) -> int:
 def closure_rows(rows: Rows, trans: Transcription, points: Points) -> None:
     """Closure in position, velocity and acceleration at every knot of double support (the quartic: without the last).
 
-    A foot that turns about an edge keeps the edge in place and its roll and yaw at zero; a flat one its pitch too.
+    A foot that turns about an edge keeps the edge in place and its roll and yaw at zero; a flat one its pitch too. A
+    line sole may roll: there its roll is its lean.
     """
     motion, knots = trans.motion, trans.spline.knots
     phases = motion.phases
@@ -54,19 +56,38 @@ def _close(rows: Rows, trans: Transcription, point: int, index: int, phase: Phas
     label = Label(f"closure of the {phase.contact} foot", "m or rad", index, time, 1.0)
     for axis, value in enumerate((dx, dy, phase.rise)):
         rows.add(label, value, value, {base + layout.pivot + axis: 1.0})
-    for name in ("foot_roll", "foot_yaw") + (("foot_pitch",) if flat else ()):
+    line = layout.leans > 0
+    for name in ("lean_gap" if line else "foot_roll", "foot_yaw") + (("foot_pitch",) if flat else ()):
         rows.add(label, 0.0, 0.0, {base + getattr(layout, name): 1.0})
     turning = (0, 1, 2) if flat else (0, 2)
+    leans = [point * layout.inputs + first + layout.joints + 1 for first in (layout.velocity, layout.acceleration)]
     for axis in range(3):
         rows.add(label, 0.0, 0.0, {base + layout.pivot_velocity + axis: 1.0})
     for axis in turning:
-        rows.add(label, 0.0, 0.0, {base + layout.foot_omega + axis: 1.0})
+        own = {leans[0]: -1.0} if line and axis == 0 else {}
+        rows.add(label, 0.0, 0.0, {base + layout.foot_omega + axis: 1.0}, inp=own)
     if trans.settings.order < 5:
         return
     for axis in range(3):
         rows.add(label, 0.0, 0.0, {base + layout.pivot_acceleration + axis: 0.1})
     for axis in turning:
-        rows.add(label, 0.0, 0.0, {base + layout.foot_alpha + axis: 0.1})
+        own = {leans[1]: -0.1} if line and axis == 0 else {}
+        rows.add(label, 0.0, 0.0, {base + layout.foot_alpha + axis: 0.1}, inp=own)
+
+
+def passive_rows(rows: Rows, trans: Transcription, points: Points) -> None:
+    """No moment about the line of a support sole: the equation of motion of its lean, at the collocation points.
+
+    Where a phase follows another the border's point is the other's, or follows from the continuity of u.
+    """
+    motion, layout = trans.motion, trans.layout
+    scale = _PASSIVE / trans.biped.effort
+    for point in np.flatnonzero(points.weight > 0.0).tolist() if layout.leans else ():
+        index, time = int(points.phase[point]), float(points.time[point])
+        if (index or motion.cyclic) and abs(time - motion.borders[index]) < 1e-9:
+            continue
+        label = Label("moment about the sole's line", "N·m", index, time, 1.0 / scale)
+        rows.add(label, 0.0, 0.0, {point * layout.outputs + layout.moment: scale})
 
 
 def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
@@ -83,6 +104,8 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         fixed: set[tuple[int, int]] = set()
         if edge:
             fixed |= {(4, k) for k in range(4)}
+        if layout.leans:
+            fixed |= {(3, k) for k in range(4)}
         if motion.meets(index):
             fixed |= {(row, 0) for row in range(6)}
         if motion.leaves(index):
@@ -97,6 +120,8 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         there = _about_sole(trans, index - 1, 3) if same else None
         point = _point(points, index - 1, start)
         for row in range(6):
+            if row == 3 and layout.leans:
+                continue
             lin = dict(here[row])
             if there is not None:
                 for column, value in there[row].items():
@@ -131,11 +156,13 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
                 if values is not None:
                     label = Label(f"joint state at border {condition.border}", "rad", index, time, 1.0)
                     scale = (1.0, 0.1, 0.01)[derivative]
-                    rows.add_linear(label, trans.state_rows(condition.border, derivative) * scale, values * scale)
+                    matrix = trans.state_rows(condition.border, derivative)[: len(values)]
+                    rows.add_linear(label, matrix * scale, values * scale)
         elif isinstance(condition, Same):
             label = Label(f"the posture of border {condition.other}", "rad", index, time, 1.0)
             matrix = trans.state_rows(condition.border, 0) - trans.state_rows(condition.other, 0)
-            rows.add_linear(label, _compressed(matrix), np.zeros(trans.biped.joints))
+            n = trans.biped.joints
+            rows.add_linear(label, _compressed(matrix[:n]), np.zeros(n))
         elif isinstance(condition, At):
             form, constant = quantity_form(trans.biped, motion.phases[index], condition.quantity)
             point = _point(points, index, time)
@@ -150,13 +177,13 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
 
 def _periodic_rows(rows: Rows, trans: Transcription, motion: Motion) -> None:
     last = len(motion.phases)
-    biped, n = trans.biped, trans.biped.joints
-    partner, sign = (biped.partner, biped.sign) if motion.mirrored else (np.arange(n), np.ones(n))
+    n = trans.biped.coordinates
+    partner, sign = trans.biped.image if motion.mirrored else (np.arange(n), np.ones(n))
     for derivative, scale in enumerate((1.0, 0.1, 0.01)):
         start = trans.state_rows(0, derivative)[partner].multiply(sign[:, None])
         matrix = (trans.state_rows(last, derivative) - start) * scale
         label = Label("periodicity", "rad", last - 1, float(motion.borders[-1]), 1.0)
-        rows.add_linear(label, _compressed(matrix), np.zeros(trans.biped.joints))
+        rows.add_linear(label, _compressed(matrix), np.zeros(n))
 
 
 def _compressed(matrix: sp.spmatrix) -> sp.csr_matrix:

@@ -13,7 +13,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase
 from gaitsmith.synthesis.motions.settings import Bounds
-from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.point.layout import layout_of
 
 Array = npt.NDArray[np.float64]
 Form = dict[int, float]
@@ -105,7 +105,7 @@ def _smooth(s: Array) -> Array:
 
 def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, float]:
     """Linear form in the outputs, and the constant, that give a quantity in world coordinates."""
-    layout, sole, pivot = PointLayout(biped.joints), biped.sole(phase.other_foot), biped.pivot(phase)
+    layout, sole, pivot = layout_of(biped), biped.sole(phase.other_foot), biped.pivot(phase)
     part, axis, _ = QUANTITIES[quantity]
     if part in ("foot", "torso"):
         return {getattr(layout, quantity): 1.0 if axis == _PITCH else phase.side}, 0.0
@@ -133,7 +133,7 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
     Forces are relative to the weight. Lengthwise the margin is 0 while both feet bear, because a foot that turns about
     its edge has its ZMP there.
     """
-    layout, weight = PointLayout(biped.joints), biped.weight
+    layout, weight = layout_of(biped), biped.weight
     foot = phase.other_foot if other else phase.support
     first = layout.wrench if other else layout.force
     twist, load = layout.twist + other, layout.load + other
@@ -193,7 +193,7 @@ def joint_bounds(biped: Biped, bounds: Bounds, side: float, joints: Sequence[int
         side: -1 in the mirror image.
         joints: which, in local order.
     """
-    layout, robot = PointLayout(biped.joints), biped.robot
+    layout, robot = layout_of(biped), biped.robot
     found = []
     for local in range(biped.joints) if joints is None else joints:
         place = int(biped.partner[local]) if side < 0 else local
@@ -214,7 +214,7 @@ def joint_bounds(biped: Biped, bounds: Bounds, side: float, joints: Sequence[int
 
 
 def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[PhaseBound]:
-    layout, sole = PointLayout(biped.joints), biped.sole(phase.other_foot)
+    layout, sole = layout_of(biped), biped.sole(phase.other_foot)
     length = sole.heel + sole.toe
     if phase.contact == "flat":
         return []
@@ -229,7 +229,8 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
     tilt = float(np.sin(bounds.foot_tilt))
     pitch = float(np.sin(bounds.foot_pitch))
     found.append(_sine("swing foot pitch", {layout.foot_pitch: 1.0}, -pitch, pitch, 2 * pitch))
-    found.append(_sine("swing foot roll", {layout.foot_roll: 1.0}, -tilt, tilt, 2 * tilt))
+    if not biped.lines:
+        found.append(_sine("swing foot roll", {layout.foot_roll: 1.0}, -tilt, tilt, 2 * tilt))
     found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, -tilt, tilt, 2 * tilt))
     gap = sole.half_width + biped.sole(phase.support).half_width + bounds.foot_gap
     apart = {layout.pivot + 1: 1.0}
@@ -243,7 +244,7 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
     Raises:
         BadInput: the margin is at least half of the sole's width or length.
     """
-    widest = min(min(leg.sole.half_width, (leg.sole.heel + leg.sole.toe) / 2.0) for leg in biped.robot.legs)
+    widest = biped.narrowest
     if bounds.zmp_margin >= widest:
         raise BadInput("zmp_margin", bounds.zmp_margin, f"less than {widest:g} m, half of this robot's sole")
 
@@ -251,7 +252,7 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
 def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
     """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
     phase = motion.phases[index]
-    layout = PointLayout(biped.joints)
+    layout = layout_of(biped)
     found = joint_bounds(biped, bounds, phase.side) + _contact_bounds(biped, bounds, phase, False)
     if phase.double:
         found += _contact_bounds(biped, bounds, phase, True)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import At, Motion
-from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.point.layout import layout_of
 from gaitsmith.synthesis.program.bounds import NO_LOAD, Kind, PhaseBound
 
 MARGIN = 1e-3  # share of a bound's range
@@ -27,7 +27,7 @@ _ON = 1e-9
 
 def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> PhaseBound:
     """A phase's bound with its margin, and with the violation that is accepted of it."""
-    layout = PointLayout(biped.joints)
+    layout = layout_of(biped)
     other = min(bound.inp, default=0) >= layout.wrench
     if motion.phases[index].double and bound.name.endswith(("ZMP forward", "ZMP backward")):
         return replace(bound, slack=EXACT)

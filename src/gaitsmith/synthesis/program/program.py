@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.functions import PointFunctions
-from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, wrench_rows
+from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, passive_rows, wrench_rows
 from gaitsmith.synthesis.program.bounds import Kind
 from gaitsmith.synthesis.program.cones import cone_rows, is_cone
 from gaitsmith.synthesis.program.rates import is_rate, rate_form, rate_label
@@ -124,6 +124,7 @@ def make_program(
     rows = Rows(trans.layout, trans.size)
     inputs = trans.input_map(points)
     closure_rows(rows, trans, points)
+    passive_rows(rows, trans, points)
     wrench_rows(rows, trans, points)
     condition_rows(rows, trans, points)
     cone_rows(rows, trans, points)

@@ -13,7 +13,7 @@ from gaitsmith.splines.polynomial import bernstein
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
-from gaitsmith.synthesis.point.layout import PointLayout
+from gaitsmith.synthesis.point.layout import layout_of
 from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds
 from gaitsmith.synthesis.program.margin import drawn_in
 
@@ -60,19 +60,19 @@ class Points:
 class Transcription:
     """Unknowns x of a motion and their linear maps to the points.
 
-    x holds the joint splines' control points, joint by joint, then for every phase of double support the Bernstein
-    coefficients of u in units of the robot's weight (N and N·m).
+    x holds the control points of the splines, joint by joint and lean by lean, then for every phase of double support
+    the Bernstein coefficients of u in units of the robot's weight (N and N·m).
 
     Attributes:
         biped, motion, settings: what was given.
-        spline: the joint spline of every joint.
+        spline: of every joint and lean.
         size: number of unknowns.
         bounds: per phase, every bound that holds throughout it.
     """
 
     def __init__(self, biped: Biped, motion: Motion, settings: Settings) -> None:
         self.biped, self.motion, self.settings = biped, motion, settings
-        self.layout = PointLayout(biped.joints)
+        self.layout = layout_of(biped)
         self.borders = motion.borders
         knots, self.first_section = [0.0], []
         for phase, start in zip(motion.phases, motion.borders, strict=False):
@@ -81,7 +81,7 @@ class Transcription:
         self.spline = JointSpline(np.array(knots), settings.order)
         self.phase_of_section = [i for i, phase in enumerate(motion.phases) for _ in range(phase.sections)]
         self._wrench_first: dict[int, int] = {}
-        size = biped.joints * self.spline.size
+        size = biped.coordinates * self.spline.size
         for index, phase in enumerate(motion.phases):
             if phase.double:
                 self._wrench_first[index] = size
@@ -157,11 +157,11 @@ class Transcription:
         return np.arange(start, start + self.spline.degree + 1)
 
     def state_rows(self, border: int, derivative: int) -> sp.csr_matrix:
-        """(n, size) map from x to joint angles or a derivative at a border between phases, in the robot's order."""
+        """(c, size) map from x to coordinates or a derivative at a border between phases, in the robot's order."""
         t = float(self.borders[border])
         section = self.first_section[border] if border < len(self.first_section) else len(self.spline.knots) - 2
         row = self.spline.row(section, t, derivative)
-        n = self.biped.joints
+        n = self.biped.coordinates
         columns = np.concatenate([self.joint_columns(joint, section) for joint in range(n)])
         rows = np.repeat(np.arange(n), len(row))
         return sp.csr_matrix((np.tile(row, n), (rows, columns)), shape=(n, self.size))
@@ -180,11 +180,10 @@ class Transcription:
         kept = self._maps.get((index, section, t, control))
         if kept is not None:
             return kept
-        layout, n, phase = self.layout, self.biped.joints, self.motion.phases[index]
+        layout, n, phase = self.layout, self.biped.coordinates, self.motion.phases[index]
         width, local = self.spline.degree + 1, np.arange(n)
         # Local joint j is the robot's joint j, or its partner's mirror image.
-        source = local if phase.side > 0 else self.biped.partner
-        sign = np.ones(n) if phase.side > 0 else self.biped.sign
+        source, sign = (local, np.ones(n)) if phase.side > 0 else self.biped.image
         starts = source * self.spline.size + self.spline.first(section)
         data, rows, columns = [], [], []
         for derivative in range(3):

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.splines.polynomial import chebyshev
+from gaitsmith.splines.polynomial import chebyshev, polynomial
 from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow
 from gaitsmith.synthesis.motions.biped import Biped
@@ -89,7 +89,8 @@ def seams(gait: Gait, biped: Biped, finder: StateFinder, edges: list[tuple[FullS
         image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
         first = image.motion.phases[0]
         q, v, a = (values[:, 0] for values in image.joints(0, np.array([image.pieces[0][0].start])))
-        pairs.append((edges[-1][1], finder.find(first.support, first.stand, q, v, a)))
+        lean = image.leans(0, np.array([image.pieces[0][0].start]))[:, 0]
+        pairs.append((edges[-1][1], finder.find(first.support, first.stand, q, v, a, lean)))
     for end, begin in pairs:
         away = float(np.minimum(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
         angle = larger(np.abs(end.position[7:] - begin.position[7:]).max(), 2.0 * np.arccos(away))
@@ -106,14 +107,9 @@ def seams(gait: Gait, biped: Biped, finder: StateFinder, edges: list[tuple[FullS
 
 
 def _edge(piece: Piece, which: int) -> list[Array]:
-    """Angles, velocities and accelerations at a piece's start or end."""
-    degree = piece.joints.shape[1]
-    power = np.arange(degree)
-    at_end = which < 0
-    value = piece.joints.sum(axis=1) if at_end else piece.joints[:, 0]
-    slope = piece.joints @ power if at_end else piece.joints[:, 1]
-    bend = piece.joints @ (power * (power - 1)) if at_end else 2.0 * piece.joints[:, 2]
-    return [value, slope / piece.duration, bend / piece.duration**2]
+    """Angles, velocities and accelerations of joints and lean at a piece's start or end."""
+    tables, s = (piece.joints, piece.lean), np.array([1.0 if which < 0 else 0.0])
+    return list(np.concatenate([polynomial(table, s, piece.duration)[:, :, 0] for table in tables], axis=1))
 
 
 def _add(found: dict[str, float], name: str, value: float) -> None:

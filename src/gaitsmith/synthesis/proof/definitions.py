@@ -160,8 +160,12 @@ def _angle(name: str, sine: Any, most: float) -> Bound:
 def sole_edges(biped: Biped, phase: Phase, foot: Side) -> list[tuple[str, float, float, float]]:
     """Edges of the part of a sole that bears in a phase: name, outward normal (x, y), distance from the frame, m.
 
-    Inward is where the other foot is. A foot that turns about an edge bears on that edge alone: it has two ends.
+    Inward is where the other foot is. A foot that turns about an edge bears on that edge alone: it has two ends. So has
+    a line sole that lies flat.
     """
+    if biped.lines:
+        sole = biped.sole(foot)
+        return [("forward", 1.0, 0.0, sole.toe), ("backward", -1.0, 0.0, sole.heel)]
     corners = biped.corners("flat" if foot == phase.support else phase.contact, foot)
     inward = 1.0 if foot == "right" else -1.0
     if len(corners) == 2:
@@ -204,7 +208,7 @@ def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Pha
         room = max(distance - margin, _KEPT * distance)
         size = sole.heel + sole.toe if along else 2.0 * sole.half_width
         yield ratio(f"ZMP {name}", "m", mx * y - my * x, room, size)
-    if len(edges) == 2:
+    if not bears and phase.contact != "flat":
         yaw = min(yaw, _ENDS * friction * edges[0][3])
     twist = mx * fx + my * fy + mz * fz  # times the load: about the centre of pressure
     for sign in (1.0, -1.0):
@@ -227,11 +231,12 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
     for height in corner_heights(found, biped, phase):
         size = foot.heel + foot.toe
         yield Bound("swing clearance", "m", height - rise, 0.0, np.inf, size, interior=True, allowed=GROUND / size)
-    for name, sine, most in (
+    tilts = [
         ("pitch", pitch, bounds["foot_pitch"]),
         ("roll", found.rotation[2, 1] * phase.side, bounds["foot_tilt"]),
         ("yaw", found.rotation[1, 0] * phase.side, bounds["foot_tilt"]),
-    ):
+    ]
+    for name, sine, most in tilts if not biped.lines else tilts[::2]:  # a line may roll about itself
         yield _angle(f"swing foot {name}", sine, most)
     apart = (found.pivot[1] - phase.foothold[1]) * phase.side
     least = foot.half_width + biped.sole(phase.support).half_width + bounds["foot_gap"]

@@ -7,6 +7,7 @@ vector of H J Rᵀ. Masses, inertias and axes are the model's.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,7 +99,13 @@ class EnclosedRobot:
         self.offset = {b: _matrix(model.body_quat[b]) for b in range(model.nbody)}
 
     def motions(
-        self, support: str, foothold: tuple[float, ...], q: Taylor, v: Taylor, a: Taylor
+        self,
+        support: str,
+        foothold: tuple[float, ...],
+        q: Taylor,
+        v: Taylor,
+        a: Taylor,
+        lean: Sequence[Taylor] | None = None,
     ) -> dict[int, BodyMotion]:
         """Motion of every body with a sole at ``foothold``, flat, its axes along the world's, standing still.
 
@@ -106,6 +113,7 @@ class EnclosedRobot:
             support: left or right.
             foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n, N) joint angles, velocities and accelerations.
+            lean: (N,) each: of a line sole, its roll about its line, and two derivatives.
         """
         model, count = self.model, q.shape[-1]
         sine, cosine = sine_cosine(q)
@@ -117,6 +125,8 @@ class EnclosedRobot:
         found = {
             root: BodyMotion(Taylor.constant(turn, count), Taylor.constant(place, count), still, still, still, still)
         }
+        if lean is not None:
+            found[root] = _leaning(turn, np.array([*foothold, 0.0][:3]), np.array(model.site_pos[site]), lean)
         todo = [root]
         while todo:
             body = todo.pop()
@@ -228,6 +238,20 @@ class EnclosedRobot:
             found[k] = turned + own + spring - torque[k]
         assert count == torso.shape[-1]
         return stacked(rows + [found[k] for k in range(len(found))])
+
+
+def _leaning(turn: Array, place: Array, origin: Array, lean: Sequence[Taylor]) -> BodyMotion:
+    """Motion of a root whose point ``origin`` stays at ``place`` while it rolls about the world's x axis there."""
+    angle, rate, pull = lean
+    sine, cosine = sine_cosine(angle)
+    count = angle.shape[-1]
+    zero, one = Taylor.constant(np.array(0.0), count), Taylor.constant(np.array(1.0), count)
+    rolled = [[one, zero, zero], [zero, cosine, sine * -1.0], [zero, sine, cosine]]
+    rotation = stacked([stacked(row) for row in rolled]).by(turn)
+    omega, alpha = (stacked([value, zero, zero]) for value in (rate, pull))
+    still = Taylor.constant(np.zeros(3), count)
+    known = BodyMotion(rotation, Taylor.constant(place, count), still, still, omega, alpha)
+    return BodyMotion(rotation, *known.point(-origin), omega, alpha)
 
 
 def _rows(vector: Taylor) -> list[Taylor]:

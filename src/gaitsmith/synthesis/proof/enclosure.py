@@ -68,24 +68,24 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
     phase, pieces = gait.motion.phases[index], gait.pieces[index]
     count = len(stretches)
     joints = len(gait.joint_names)
-    q, v, a, torque, rate, wrench = (_Rows(width, count) for width in (*(5 * (joints,)), 12))
+    q, v, a, torque, rate, wrench, *leans = (_Rows(width, count) for width in (*(5 * (joints,)), 12, 1, 1, 1))
     middles, spans = np.zeros(count), np.zeros(count)
     for number in sorted({item.section for item in stretches}):
         piece = pieces[number]
         mask = np.array([k for k, item in enumerate(stretches) if item.section == number])
         middle = np.array([0.5 * (stretches[k].begin + stretches[k].end) for k in mask])
         half = np.array([0.5 * (stretches[k].end - stretches[k].begin) for k in mask])
-        degree = piece.joints.shape[1]
-        table = piece.joints
-        for order, rows in enumerate((q, v, a)):
-            rows.put(mask, *_shifted(table, middle, half), 1.0 / piece.duration**order)
-            table = table[:, 1:] * np.arange(1, degree - order) if table.shape[1] > 1 else 0.0 * table
+        for table, derivatives in ((piece.joints, (q, v, a)), (piece.lean, leans)):
+            for order, rows in enumerate(derivatives if len(table) else ()):
+                rows.put(mask, *_shifted(table, middle, half), 1.0 / piece.duration**order)
+                table = table[:, 1:] * np.arange(1, table.shape[1]) if table.shape[1] > 1 else 0.0 * table
         torque.put(mask, *_series(piece.torque, middle, half), 1.0)
         rate.put(mask, *_series(piece.torque_slope, middle, half), 1.0)
         wrench.put(mask, *_series(piece.wrench, middle, half), 1.0)
         middles[mask], spans[mask] = piece.start + middle * piece.duration, 2.0 * half * piece.duration
     states = q.taylor, v.taylor, a.taylor
-    motions = engine.motions(phase.support, phase.stand, *states)
+    lean = [rows.taylor[0] for rows in leans] if biped.lines else None
+    motions = engine.motions(phase.support, phase.stand, *states, lean)
     both = {"left": (wrench.taylor[0:3], wrench.taylor[3:6]), "right": (wrench.taylor[6:9], wrench.taylor[9:12])}
     loads = engine.inertial(motions)
     residual = engine.residual(motions, loads, both, states, torque.taylor)

@@ -25,7 +25,7 @@ class Errors:
     Attributes:
         closure: of the contact points in double support: mm, m/s, m/s².
         residual: of the equations of motion, of the weight.
-        edge: moment about an edge that a foot turns about, of weight times height.
+        edge: moment about an edge that a foot turns about, or about a line sole's line, of weight times height.
         air: wrench on a foot in the air, of the weight.
     """
 
@@ -59,6 +59,7 @@ def measure(
     """A phase's numbers (N,) at times within it, and the full states; errors are added to ``errors``."""
     phase = gait.motion.phases[index]
     q, v, a = gait.joints(index, times)
+    lean = gait.leans(index, times)
     torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
     support, other = (wrench[6:], wrench[:6]) if phase.support == "right" else (wrench[:6], wrench[6:])
     count, pivot = len(times), biped.pivot(phase)
@@ -72,7 +73,7 @@ def measure(
         corners = np.array([(x, y, 0.0) for x, y in biped.corners(phase.contact, phase.other_foot)]).T
         goals = corners + np.array([*phase.other, phase.other_height])[:, None]
     for k in range(count):
-        states.append(finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k]))
+        states.append(finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], lean[:, k]))
         foot = finder.foot(phase.other_foot, heel)
         rows["ankle"][:, k], rows["ankle_velocity"][:, k], _, rotation, *_ = foot
         rows["pivot"][:, k], rows["rotation"][..., k] = foot[0] + rotation @ (pivot - heel), rotation
@@ -87,7 +88,10 @@ def measure(
     if not phase.double:
         errors.air = larger(errors.air, np.abs(other).max(initial=0.0) / biped.weight)
     elif phase.contact != "flat":
-        errors.edge = larger(errors.edge, np.abs(rows["turn"][1]).max(initial=0.0) / (biped.weight * biped.height))
+        errors.edge = larger(errors.edge, np.abs(rows["turn"][1]).max(initial=0.0) / biped.effort)
+    if biped.lines:
+        about = np.abs([support[3], rows["turn"][0]]).max(initial=0.0)
+        errors.edge = larger(errors.edge, about / biped.effort)
     share = (times - gait.motion.borders[index]) / phase.duration
     profile: Callable[[bool, bool], Any] = lambda lifts, lands: rise(share, lifts, lands)  # noqa: E731
     found = Measured(

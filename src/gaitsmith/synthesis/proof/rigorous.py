@@ -28,6 +28,7 @@ _ROUNDS = 8
 _EQUATIONS = {"closure": 1e-4, "closure velocity": 0.005, "closure acceleration": 0.5}  # m, m/s, m/s²
 _RESIDUAL = 1e-6  # of the weight
 _PENETRATION = 1e-4  # m
+_LINE = 1e-6  # of weight times height
 
 
 @dataclass(frozen=True)
@@ -146,6 +147,10 @@ def _equations(enclosed: Enclosed, biped: Biped, phase: Phase) -> list[Bound]:
     for contact in enclosed.contacts:
         for (name, most), rows, unit in zip(_EQUATIONS.items(), contact, ("m", "m/s", "m/s²"), strict=True):
             found += [Bound(name, unit, rows[k], -most, most, 2.0 * most) for k in range(3)]
+    if biped.lines:
+        for moment in (enclosed.measured.moment[0], enclosed.measured.turn[0]):
+            value = moment * (1.0 / biped.effort)
+            found.append(Bound("moment about a sole's line", "weights·m", value, -_LINE, _LINE, 2.0 * _LINE))
     for height in corner_heights(enclosed.measured, biped, phase):
         found.append(Bound("height of the other sole", "m", height, -_PENETRATION, np.inf, 0.1 * biped.height))
     return found

@@ -15,7 +15,8 @@ from gaitsmith.synthesis.program.margin import TOUCHING
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Points, Transcription
-from gaitsmith.synthesis.solution.curves_from_solution import LocalPiece, local_inputs, phase_pieces
+from gaitsmith.synthesis.solution.curves_from_solution import local_inputs, phase_pieces
+from gaitsmith.synthesis.solution.passive import LocalPiece, balanced, with_leans
 
 Array = npt.NDArray[np.float64]
 _TIGHTEST = 0.3  # of a span: the stored curves close the chain better than the program does
@@ -92,10 +93,10 @@ class BoundCheck:
 def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, count: int) -> list[BoundCheck]:
     """All bounds of all phases at ``count`` instants each, on the curves as they will be stored."""
     borders, found = trans.motion.borders, []
-    for phase in range(len(trans.motion.phases)):
-        pieces = phase_pieces(trans, functions, x, phase)
+    every = [phase_pieces(trans, functions, x, phase) for phase in range(len(trans.motion.phases))]
+    for phase, pieces in enumerate(with_leans(trans, functions, every)):
         times = np.linspace(borders[phase], borders[phase + 1], count)
-        z = local_inputs(trans, x, phase, pieces, times)
+        z = balanced(trans, functions, phase, local_inputs(trans, x, phase, pieces, times))
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)), trans.motion.phases[phase].side)
         inner, limits = (BoundTable(trans.layout, bounds[phase]) for bounds in (trans.bounds, trans.limits))
         share = trans.share(phase, times)

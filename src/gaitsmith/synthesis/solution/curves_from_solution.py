@@ -16,9 +16,9 @@ from gaitsmith.splines.polynomial import bernstein_to_power, chebyshev, chebyshe
 from gaitsmith.synthesis.gaits.gait import Piece
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Transcription
+from gaitsmith.synthesis.solution.passive import LocalPiece, balanced
 
 Array = npt.NDArray[np.float64]
-LocalPiece = tuple[float, float, Array]  # start, duration, joint coefficients in local order
 PARTS = 4  # pieces a section of double support is cut into
 _NEWTON = 8
 _CLOSED, _FAR = 1e-8, 0.2  # m or rad left of a gap; largest correction of a joint, rad
@@ -29,7 +29,7 @@ _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 
 def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
     """Inputs (inputs, N) of a double-support phase with the other leg's joints solved from the closure."""
-    layout, n = trans.layout, trans.biped.joints
+    layout, n = trans.layout, trans.layout.coordinates
     item = trans.motion.phases[phase]
     assert item.other is not None
     pivots = np.tile(trans.pivots[phase][:, None], (1, z.shape[1]))
@@ -75,6 +75,32 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     return z
 
 
+def _solve_lines(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
+    """The same for line soles: the least changes of all coordinates close the chain, and leave no moment about a line."""
+    layout, c = trans.layout, trans.layout.coordinates
+    item = trans.motion.phases[phase]
+    assert item.other is not None
+    goal = np.zeros((6, 1))
+    goal[:3, 0] = item.other[0] - item.foothold[0], item.side * (item.other[1] - item.foothold[1]), item.rise
+    pivots, z, lean = np.zeros((3, z.shape[1])), z.copy(), layout.joints + 1
+    places = [*range(layout.pivot, layout.pivot + 3), layout.lean_gap, layout.foot_pitch, layout.foot_yaw]
+    for first, rows, rounds in (
+        (layout.position, places, _NEWTON),
+        (layout.velocity, range(layout.pivot_velocity, layout.pivot_velocity + 6), 1),
+        (layout.acceleration, [*range(layout.pivot_acceleration, layout.pivot_acceleration + 6), layout.moment], 1),
+    ):
+        for _ in range(rounds):
+            o, J = functions.differentiate(z, pivots, item.side)
+            gap, slope = o[list(rows)], J[:, list(rows), first : first + c]
+            if first == layout.position:
+                gap = gap - goal
+            else:
+                gap[3] -= z[first + lean]
+                slope[:, 3, lean] -= 1.0
+            z[first : first + c] -= (np.linalg.pinv(slope) @ gap.T[:, :, None])[:, :, 0].T
+    return z
+
+
 def _knots(trans: Transcription, phase: int) -> Array:
     """Borders of a phase's pieces, s."""
     first = trans.first_section[phase]
@@ -93,13 +119,14 @@ def _states(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
 
 
 def phase_pieces(trans: Transcription, functions: PointFunctions, x: Array, phase: int) -> list[LocalPiece]:
-    """Start, duration and local joint coefficients (n, degree + 1) of a phase's pieces."""
-    n = trans.biped.joints
+    """Start, duration and local coefficients (c, degree + 1) of a phase's pieces."""
+    n = trans.layout.coordinates
     knots = _knots(trans, phase)
     z = _states(trans, x, phase, knots)
     item = trans.motion.phases[phase]
     if item.double and trans.settings.order >= 5 and len(knots) > 2:
-        z[:, 1:-1] = _solve_closure(trans, functions, phase, z[:, 1:-1])
+        solve = _solve_lines if trans.layout.leans else _solve_closure
+        z[:, 1:-1] = solve(trans, functions, phase, z[:, 1:-1])
     if trans.settings.order >= 5:
         states = z[: 3 * n].reshape(3, n, len(knots))
         return [
@@ -127,7 +154,7 @@ def _wrench_at(trans: Transcription, x: Array, phase: int, times: Array) -> Arra
 
 def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[LocalPiece], times: Array) -> Array:
     """Inputs (inputs, N) of a phase from its pieces."""
-    n = trans.biped.joints
+    n = trans.layout.coordinates
     z = np.zeros((trans.layout.inputs, len(times)))
     starts = np.array([start for start, _, _ in pieces])
     index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
@@ -151,6 +178,7 @@ def finished_pieces(
     times = np.concatenate([start + span * nodes for start, span, _ in pieces])
     halves = zip(pieces, np.split(times, len(pieces)), strict=True)
     z = np.hstack([local_inputs(trans, x, phase, [piece], part) for piece, part in halves])
+    z = balanced(trans, functions, phase, z)
     o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), item.side)
     torque, support = o[layout.torque : layout.torque + n], o[layout.force : layout.force + 6]
     u = z[layout.wrench :].copy()
@@ -159,7 +187,8 @@ def finished_pieces(
     along = np.vstack([o[layout.foot_forward], o[layout.foot_yaw], -o[layout.foot_pitch]])
     r = x * along + y * np.vstack([-o[layout.foot_yaw], np.ones(z.shape[1]), o[layout.foot_roll]])
     u[3:] += np.cross(r.T, u[:3].T).T
-    joints = [coefficients for _, _, coefficients in pieces]
+    joints = [coefficients[:n, : trans.settings.order + 1] for _, _, coefficients in pieces]
+    leans = [item.side * coefficients[n : n + layout.leans // 2] for _, _, coefficients in pieces]
     if item.side < 0:
         torque = trans.biped.mirrored(torque.T).T
         support, u = support * _MIRROR[:, None], u * _MIRROR[:, None]
@@ -167,7 +196,8 @@ def finished_pieces(
     wrench = np.vstack([u, support] if item.support == "right" else [support, u])
     parts = np.split(np.vstack([torque, wrench]), len(pieces), axis=1)
     series = [_trimmed(part[:n] @ to_series) for part in parts], [_trimmed(part[n:] @ to_series) for part in parts]
-    return tuple(Piece(start, span, *each) for (start, span, _), *each in zip(pieces, joints, *series, strict=True))
+    parts = zip(pieces, joints, *series, leans, strict=True)
+    return tuple(Piece(start, span, *each) for (start, span, _), *each in parts)
 
 
 def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]) -> float:
@@ -178,6 +208,8 @@ def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]
         for piece in group:
             s = 0.5 * (nodes + 1.0)
             u = _wrench_at(trans, x, phase, piece.start + s * piece.duration)
+            if trans.layout.leans and trans.motion.phases[phase].double:  # scaled; about the sole's origin
+                u = chebyshev(piece.wrench, s)[:6] if trans.motion.phases[phase].support == "right" else chebyshev(piece.wrench, s)[6:]
             effort = np.sum(chebyshev(piece.torque, s) ** 2, axis=0) + trans.settings.wrench_weight * np.sum(
                 u**2, axis=0
             )

@@ -19,6 +19,7 @@ from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.bound_check import BoundCheck
 from gaitsmith.synthesis.solution.certificate import merge
 from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
+from gaitsmith.synthesis.solution.passive import balanced
 
 Array = npt.NDArray[np.float64]
 _SAMPLES = 12  # Chebyshev nodes a piece
@@ -46,7 +47,7 @@ def torque_rates_of(trans: Transcription, functions: PointFunctions, x: Array, c
     said = np.clip(share, _INSIDE, 1.0 - _INSIDE)  # at a knot a rate jumps: its instant must tell on which side
     for phase, item in enumerate(checks):
         parts = [local_inputs(trans, x, phase, [piece], piece[0] + piece[1] * nodes) for piece in item.pieces]
-        z = np.hstack(parts)
+        z = balanced(trans, functions, phase, np.hstack(parts))
         side = trans.motion.phases[phase].side
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), side)
         times, values = [], []
