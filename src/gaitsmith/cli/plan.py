@@ -44,7 +44,7 @@ def plan(words: list[str], program: str) -> Outcome:
     robot = named_robot(arguments.robot)
     given = list(arguments.model_dump(exclude_none=True))
     planner = Planner(robot, free=arguments.free)
-    request = request_from(arguments, task, planner.biped.height)
+    request = request_from(arguments, task, planner.biped.height, planner.biped.usual_period)
     with Display() as display:
         try:
             planner.notify = display.slow

@@ -169,8 +169,10 @@ def task_of(arguments: PlanArguments) -> str:
     return task
 
 
-def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Request | None:
+def request_from(arguments: PlanArguments, task: str, leg: float = LEG, usual: float | None = None) -> Request | None:
     """The request that the flags describe, for hips ``leg`` m high; None for a motion file.
+
+    ``usual``: period of a robot's steps, s, where it has one.
 
     Raises:
         BadInput: naming the flag.
@@ -187,7 +189,7 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG) -> Reque
         return Request("kick", kick=KickParameters(**given), settings=settings)
     if task == "stairs":
         return _stairs(arguments, settings, leg)
-    length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg)
+    length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg, usual)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
     step = StepParameters.sized(leg, length, period, **shape)
     faster = arguments.step_length is None and arguments.period is None

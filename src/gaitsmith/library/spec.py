@@ -100,6 +100,8 @@ class Spec(Parameters):
             BadInput: a length that no step has.
         """
         found = {}
+        if biped.lines:
+            raise BadInput("robot", biped.robot.card.name, "soles with an area", "gaits on lines cannot be mixed")
         for point in self.points:
             at = self.place(point)
             try:

@@ -241,8 +241,8 @@ def _check_curves(piece: Piece, field: str) -> None:
             sizes = np.abs(getattr(piece, key))
             powers = np.arange(sizes.shape[1])
             rates = sizes * (powers / piece.duration), sizes * (powers * (powers - 1.0) / piece.duration**2)
-            terms = zip(("angle", "velocity", "acceleration"), (sizes, *rates), strict=True)
-            found += [(name, key, values) for name, values in terms if len(values)]
+            named = zip(("angle", "velocity", "acceleration"), (sizes, *rates), strict=True)
+            found += [(name, key, values) for name, values in named if len(values)]
         for name, key, terms in found:
             largest = terms.sum(axis=1)
             row = int(np.argmax(largest))

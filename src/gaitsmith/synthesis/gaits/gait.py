@@ -32,8 +32,8 @@ class Piece:
         torque: (n, m) Chebyshev coefficients over the section, N·m.
         wrench: (12, m) Chebyshev coefficients of left force and moment, right force and moment; world axes, about the
             sole frame's origin, N and N·m.
-        lean: (1, k) coefficients of 1, s, s² ... of the support sole's roll about its line, rad; (0, k) of soles with an
-            area, which stand flat.
+        lean: (1, k) coefficients of 1, s, s² ... of the support sole's roll about its line, rad; (0, k) of soles with
+            an area, which stand flat.
     """
 
     start: float
@@ -136,7 +136,7 @@ class Gait:
 
 def lean_of(piece: Piece, s: Array) -> Array:
     """(3, N) the support sole's lean at normalised times, and two derivatives."""
-    return polynomial(piece.lean, s, piece.duration).sum(axis=1)
+    return np.asarray(polynomial(piece.lean, s, piece.duration).sum(axis=1))
 
 
 def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int) -> Gait:

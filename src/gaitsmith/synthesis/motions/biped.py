@@ -48,7 +48,7 @@ _PHYSICS = (
 
 @dataclass(frozen=True, eq=False)
 class Biped:
-    """A robot with two legs of six joints and soles with an area, or soles that are lines; joints elsewhere may be held.
+    """A robot with two legs of six joints and soles with an area, or with line soles; some joints may be held.
 
     A line sole may roll about its line, which no joint drives: its *lean* is a coordinate beside the joints' angles.
 
@@ -134,6 +134,11 @@ class Biped:
     def fall_time(self) -> float:
         """The robot's unit of time: square root of leg over gravity, s."""
         return float(np.sqrt(self.height * self.robot.mass / self.weight))
+
+    @property
+    def usual_period(self) -> float | None:
+        """Of a step, s: the card's where soles are lines, on which a robot falls over while it steps; else None."""
+        return self.robot.card.gait.period if self.lines else None
 
     @property
     def symmetric(self) -> bool:

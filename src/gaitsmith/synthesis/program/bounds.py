@@ -249,6 +249,20 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
         raise BadInput("zmp_margin", bounds.zmp_margin, f"less than {widest:g} m, half of this robot's sole")
 
 
+def check_edges(biped: Biped, motion: Motion) -> None:
+    """Refuse line soles that turn about their heel or toe.
+
+    Raises:
+        BadInput: naming the phase.
+    """
+    for index, phase in enumerate(motion.phases):
+        if biped.lines and phase.contact in ("heel", "toe"):
+            valid = "flat or air for a sole that is a line"
+            raise BadInput(
+                f"phases[{index}].contact", phase.contact, valid, "nothing keeps a foot on a point from turning"
+            )
+
+
 def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
     """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
     phase = motion.phases[index]

@@ -39,11 +39,14 @@ _SHORTEST, _LONGER = 0.12, 0.2  # m, and m for every m/s: steps of the paper's t
 _REPORT = Callable[[str, int, Progress], None]
 
 
-def stride(speed: float | None, length: float | None, period: float | None, leg: float = LEG) -> tuple[float, float]:
+def stride(
+    speed: float | None, length: float | None, period: float | None, leg: float = LEG, usual: float | None = None
+) -> tuple[float, float]:
     """Step length (m) and period (s) from any two of speed, step length and period, for hips ``leg`` m high.
 
     With one, the other follows the line through the paper's two gaits (0.15 m in 1.0 s, 0.20 m in 0.5 s), on which
-    the length is 0.12 m + 0.2 s times the speed; with none, its static gait. Other legs: in proportion.
+    the length is 0.12 m + 0.2 s times the speed; with none, its static gait. Other legs: in proportion. A robot with a
+    ``usual`` period, s, has that where neither length nor period is given.
 
     Raises:
         BadInput: a value out of range, given or derived, or three that do not agree.
@@ -53,6 +56,8 @@ def stride(speed: float | None, length: float | None, period: float | None, leg:
         low, high = RANGES[flag]
         if value is not None and not low <= value <= high:
             raise BadInput(flag, value, f"{low:g} to {high:g}")
+    if usual is not None and length is None and period is None:
+        period, length = usual, 0.15 * (leg / LEG) ** 0.5 * usual if speed is None else None
     length, period = _stride(speed, length, period, leg / LEG)
     flags = " and ".join(f"{flag} {value:g}" for flag, value in given.items() if value is not None)
     for flag, value in {"--speed": length / period, "--step-length": length, "--period": period}.items():
@@ -149,6 +154,9 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
         BadInput: numbers that cannot be used.
     """
     biped, settings = planner.biped, request.settings
+    if biped.lines and request.kind != "cyclic":
+        valid = "cyclic, or a motion file, for a robot whose soles are lines"
+        raise BadInput("MOTION", request.kind, valid, "it does not stand still on one of them")
     results: dict[str, PlanResult] = {}
 
     def run(motion: Motion, chosen: Settings, neighbour: PlanResult | None = None) -> PlanResult:

@@ -76,7 +76,7 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
 
 
 def _solve_lines(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
-    """The same for line soles: the least changes of all coordinates close the chain, and leave no moment about a line."""
+    """The same for line soles: the least changes of all coordinates that leave no moment about the support's line."""
     layout, c = trans.layout, trans.layout.coordinates
     item = trans.motion.phases[phase]
     assert item.other is not None
@@ -196,8 +196,8 @@ def finished_pieces(
     wrench = np.vstack([u, support] if item.support == "right" else [support, u])
     parts = np.split(np.vstack([torque, wrench]), len(pieces), axis=1)
     series = [_trimmed(part[:n] @ to_series) for part in parts], [_trimmed(part[n:] @ to_series) for part in parts]
-    parts = zip(pieces, joints, *series, leans, strict=True)
-    return tuple(Piece(start, span, *each) for (start, span, _), *each in parts)
+    every = zip(pieces, joints, *series, leans, strict=True)
+    return tuple(Piece(start, span, *each) for (start, span, _), *each in every)
 
 
 def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]) -> float:
@@ -209,7 +209,11 @@ def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]
             s = 0.5 * (nodes + 1.0)
             u = _wrench_at(trans, x, phase, piece.start + s * piece.duration)
             if trans.layout.leans and trans.motion.phases[phase].double:  # scaled; about the sole's origin
-                u = chebyshev(piece.wrench, s)[:6] if trans.motion.phases[phase].support == "right" else chebyshev(piece.wrench, s)[6:]
+                u = (
+                    chebyshev(piece.wrench, s)[:6]
+                    if trans.motion.phases[phase].support == "right"
+                    else chebyshev(piece.wrench, s)[6:]
+                )
             effort = np.sum(chebyshev(piece.torque, s) ** 2, axis=0) + trans.settings.wrench_weight * np.sum(
                 u**2, axis=0
             )

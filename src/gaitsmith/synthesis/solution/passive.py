@@ -24,8 +24,11 @@ LocalPiece = tuple[float, float, Array]  # start, duration, coefficients in loca
 _ROUNDS = 6
 _DONE = 1e-12  # of the robot's unit of torque
 _POWERS = np.array(
-    [np.polynomial.Polynomial.cast(np.polynomial.Chebyshev.basis(k, [0, 1])).coef.tolist() + [0.0] * (LEAN_DEGREE - k)
-     for k in range(LEAN_DEGREE + 1)]
+    [
+        np.polynomial.Polynomial.cast(np.polynomial.Chebyshev.basis(k, [0, 1])).coef.tolist()
+        + [0.0] * (LEAN_DEGREE - k)
+        for k in range(LEAN_DEGREE + 1)
+    ]
 ).T  # from Chebyshev coefficients on [0, 1] to those of 1, s, s² ...
 _NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(LEAN_DEGREE - 1) / (LEAN_DEGREE - 2))
 
@@ -44,7 +47,9 @@ def balanced(trans: Transcription, functions: PointFunctions, phase: int, z: Arr
     return bare
 
 
-def with_leans(trans: Transcription, functions: PointFunctions, pieces: list[list[LocalPiece]]) -> list[list[LocalPiece]]:
+def with_leans(
+    trans: Transcription, functions: PointFunctions, pieces: list[list[LocalPiece]]
+) -> list[list[LocalPiece]]:
     """All phases' pieces with the leans of single support solved from their equation of motion."""
     if not trans.layout.leans:
         return pieces
@@ -53,7 +58,9 @@ def with_leans(trans: Transcription, functions: PointFunctions, pieces: list[lis
         run = list(group)
         if double:
             continue
-        solved = iter(_Run(trans, functions, run[0], [piece for k in run for piece in pieces[k]], _borders(pieces, run)).solved())
+        solved = iter(
+            _Run(trans, functions, run[0], [piece for k in run for piece in pieces[k]], _borders(pieces, run)).solved()
+        )
         for k in run:
             found[k] = [next(solved) for _ in pieces[k]]
     return found
@@ -132,9 +139,7 @@ class _Run:
         first, last = ((side @ lean.T) * rates for side in sides)  # (2, P)
         return np.concatenate([first[:, 0] - ends[0], last[:, -1] - ends[1], (last[:, :-1] - first[:, 1:]).ravel()])
 
-    def _matrix(
-        self, slope: Array, spans: Array, tables: Array, sides: Array, free: list[int], toward: Array
-    ) -> Array:
+    def _matrix(self, slope: Array, spans: Array, tables: Array, sides: Array, free: list[int], toward: Array) -> Array:
         """Derivatives of moments and ends by the leans' coefficients and the changes of the free knots."""
         layout, count, terms = self.trans.layout, len(spans), LEAN_DEGREE + 1
         nodes, places = len(_NODES), (layout.position, layout.velocity, layout.acceleration)

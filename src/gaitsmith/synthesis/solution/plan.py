@@ -19,7 +19,7 @@ from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.functions import PointFunctions, point_functions
-from gaitsmith.synthesis.program.bounds import check_margin
+from gaitsmith.synthesis.program.bounds import check_edges, check_margin
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.margin import MARGIN
 from gaitsmith.synthesis.program.program import CURVED, SELDOM, ImposedBound, Program, every_bound, make_program
@@ -153,10 +153,11 @@ class Planner:
             report: called at every iteration with the round and the progress.
 
         Raises:
-            BadInput: the ZMP margin leaves nothing of the sole.
+            BadInput: the ZMP margin leaves nothing of the sole, or a line sole turns about its end.
         """
         settings = (settings or Settings()).sized(self.biped, motion.transfer, motion.lift)
         check_margin(self.biped, settings.bounds)
+        check_edges(self.biped, motion)
         compiled = self.functions.compile_s if self._compile_s is None else 0.0
         begin = time.perf_counter()
         trans = Transcription(self.biped, motion, settings)

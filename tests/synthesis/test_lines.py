@@ -1,0 +1,121 @@
+"""Line soles: gaits of a robot whose ankles cannot roll. The lean about the line that stands is driven by no joint."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gaitsmith.errors import BadInput
+from gaitsmith.robots import load_robot
+from gaitsmith.synthesis import Planner, Request, StepParameters, answer
+from gaitsmith.synthesis.files.gait_file import gait_document, gait_of, require_robot
+from gaitsmith.synthesis.gaits.full_state import StateFinder
+from gaitsmith.synthesis.gaits.gait import unrolled
+from gaitsmith.synthesis.gaits.support import hull, inside
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.proof.rigorous import prove
+from gaitsmith.synthesis.proof.verify import verify
+from gaitsmith.synthesis.requests.request import stride
+
+STEP = StepParameters.sized(0.7645, 0.12, 0.4)
+DEFORMED = 1e-5  # rad: of a lean that no longer obeys its equation of motion
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("bhr_b2")
+
+
+@pytest.fixture(scope="module")
+def planner(robot):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("GAITSMITH_CC", "none")  # a compiler takes longer than it saves here
+        made = Planner(robot)
+        assert made.functions.compiled is False
+        return made
+
+
+@pytest.fixture(scope="module")
+def gait(planner):
+    found = answer(planner, Request("cyclic", STEP)).gait
+    assert found is not None
+    return found
+
+
+def test_a_gait_on_lines_agrees_with_physics_at_all_times(gait, robot):
+    verdict = verify(gait, robot)
+    assert verdict.ok, verdict.problems
+    assert verdict.zmp_margin > 10.0
+    open_ = [item for item in prove(gait, robot) if not item.ok]
+    assert not open_, open_
+
+
+def test_no_lean_but_the_right_one_is_accepted(gait, robot):
+    """The equation of motion of the lean is checked, since no torque makes up for what is wrong with it."""
+    bump = np.array([0.0, 0.0, 0.0, 64.0, -192.0, 192.0, -64.0])  # and two derivatives zero at both ends
+    pieces = [list(group) for group in gait.pieces]
+    lean = pieces[0][0].lean.copy()
+    lean[0, : len(bump)] += DEFORMED * bump
+    pieces[0][0] = replace(pieces[0][0], lean=lean)
+    changed = replace(gait, pieces=tuple(map(tuple, pieces)))
+    problems = " ".join(verify(changed, robot).problems)
+    assert "dynamics residual" in problems
+
+
+def test_the_file_keeps_leans_and_is_refused_without_them(gait, robot):
+    again = gait_of(gait_document(gait))
+    times = np.linspace(0.0, 0.1, 7)
+    assert np.array_equal(again.leans(0, times), gait.leans(0, times))
+    require_robot(again, robot)
+    document = gait_document(gait)
+    del document["phases"][1]["sections"][0]["lean"]
+    with pytest.raises(BadInput, match="lean"):
+        require_robot(gait_of(document), robot)
+
+
+def test_the_next_step_leans_the_other_way(gait, planner):
+    two = unrolled(gait, planner.biped.partner, planner.biped.sign, 2)
+    phases, times = len(gait.motion.phases), np.linspace(0.0, 0.13, 5)
+    assert np.allclose(two.leans(phases, gait.duration + times), -gait.leans(0, times), atol=1e-12)
+
+
+def test_a_leaning_robot_turns_about_its_line(robot):
+    """Velocities and accelerations are the derivatives of positions; the line itself stays."""
+    finder, rng, h = StateFinder(robot), np.random.default_rng(1), 1e-5
+    q, v, a = 0.3 * rng.normal(size=(3, len(robot.joint_names)))
+    lean = np.array([0.1, -0.7, 2.0])
+
+    def at(t):
+        joints = q + t * v + 0.5 * t * t * a, v + t * a, a
+        rolled = np.array([lean[0] + t * lean[1] + 0.5 * t * t * lean[2], lean[1] + t * lean[2], lean[2]])
+        state = finder.find("right", (0.2, -0.1), *joints, rolled)
+        return state, [finder.foot("right", np.array([x, 0.0, 0.0])) for x in (-0.07, 0.12)]
+
+    (before, _), (now, line), (after, _) = (at(t) for t in (-h, 0.0, h))
+    assert np.allclose((after.position[:3] - before.position[:3]) / (2.0 * h), now.velocity[:3], atol=1e-8)
+    assert np.allclose((after.velocity - before.velocity) / (2.0 * h), now.acceleration, atol=1e-6)
+    for x, (place, speed, pull, *_) in zip((-0.07, 0.12), line, strict=True):
+        assert np.allclose(place, (0.2 + x, -0.1, 0.0), atol=1e-12)
+        assert np.allclose([speed, pull], 0.0, atol=1e-10)
+
+
+def test_the_margin_of_a_line_is_the_way_to_its_ends():
+    line = hull(np.array([(-0.1, 0.02), (0.2, 0.02)]))
+    assert np.allclose(inside(line, np.array([(0.0, 0.15, 0.3), (0.02, 0.02, 0.02)])), (0.1, 0.05, -0.1))
+
+
+def test_what_lines_cannot_do_is_refused(planner):
+    with pytest.raises(BadInput, match="lines"):
+        answer(planner, Request("kick"))
+    motion = cyclic(planner.biped, STEP)
+    turned = tuple(replace(p, contact="heel") if p.name == "load" else p for p in motion.phases)
+    with pytest.raises(BadInput, match=r"phases\[2\].contact"):
+        planner.plan(Motion("turned", turned, cyclic=True))
+
+
+def test_steps_on_lines_take_the_cards_period(planner):
+    usual = planner.biped.usual_period
+    assert stride(0.3, None, None, 0.76, usual) == pytest.approx((0.12, 0.4))
+    assert stride(0.3, None, 0.5, 0.76, usual) == pytest.approx((0.15, 0.5))
+    assert stride(None, None, None, 0.39, usual) == pytest.approx((0.06, 0.4))
