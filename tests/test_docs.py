@@ -10,6 +10,8 @@ from typing import Any, get_args
 import pytest
 from pydantic import BaseModel
 
+from gaitsmith.cli import main
+from gaitsmith.cli.dispatch import COMMANDS
 from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.robots import load_robot
 from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
@@ -111,3 +113,16 @@ def test_every_measured_deviation_is_a_valid_preset_and_in_the_table() -> None:
 def test_every_assumption_is_listed() -> None:
     for assumption in load_robot("bhr_b2").card.assumptions:
         assert assumption.what in page("deviations.md")
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_commands_in_code_blocks_have_the_options_they_are_given(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for block in re.findall(r"```(?:sh)?\n(.*?)```", path.read_text(), re.S):
+        for line in re.findall(r"^gaitsmith (.*?)(?: +#.*)?$", block, re.M):
+            words = line.split()
+            name = words[: 2 if tuple(words[:2]) in COMMANDS else 1]
+            assert main([*name, "--help"]) == 0, line
+            told = capsys.readouterr().out
+            assert all(flag in told for flag in re.findall(r"--[\w-]+", line)), line

@@ -1,4 +1,8 @@
-"""A small library, planned once."""
+"""A small library, planned once: the grid of the page on libraries, with fewer speeds."""
+
+import re
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -8,13 +12,14 @@ from gaitsmith.library.folder import Folder
 from gaitsmith.library.spec import checked_spec
 from gaitsmith.robots import load_robot
 
-SPEC = {"robot": "thbip_ii", "speed": [0.2, 0.3], "period": [0.6, 0.7]}
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "library.md").read_text()
+GRID = re.sub(r"speed = \[.*?\]", "speed = [0.2, 0.3]", PAGE.split("```toml\n")[1].split("```")[0], count=1)
 
 
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
     folder = Folder(tmp_path_factory.mktemp("library") / "whole")
-    built = build(checked_spec(SPEC), folder)
+    built = build(checked_spec(tomllib.loads(GRID)), folder)
     assert built.base == "000-000-000"
     assert all(record.certified for record in built.records.values())
     return folder

@@ -1,14 +1,18 @@
 """Walks by a library: on the way from rest to a speed, from speed to speed and back, pushed, the robot stands."""
 
 import json
+import re
+import shutil
 
 import numpy as np
 import pytest
+from tests.library.conftest import GRID, PAGE
 
 from gaitsmith.__main__ import main
 from gaitsmith.errors import BadInput
 from gaitsmith.simulation import Simulation, run_episode
 from gaitsmith.simulation.scenario import make_scenario
+from gaitsmith.simulation.stage_table import stride_lines
 
 
 def scenario(library, **fields):
@@ -75,9 +79,41 @@ def test_a_library_leaves_no_room_for_other_gaits(library, fields):
         scenario(library, **fields)
 
 
+def test_what_the_page_tells_to_type_works(library, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(library.path, "library")
+    (tmp_path / "grid.toml").write_text(GRID)
+    lines = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.S) for line in block.splitlines()]
+    documents = []
+    for line in lines:
+        assert main([*line.split()[1:], "--json"]) == 0, line
+        documents.append(json.loads(capsys.readouterr().out))
+    assert documents[0]["resumed"] == 4
+    assert (tmp_path / "library.png").exists()
+    walked = documents[2]
+    assert (walked["fell"], walked["steps_held"]) == (False, 0)
+    assert [stage["rest"] for stage in walked["stages"]][1:] == [False, True]
+    assert walked["stages"][1]["vx_mean"] == pytest.approx(0.3, rel=0.002)
+
+
+def test_steps_that_cannot_change_are_counted_and_told(library):
+    simulation = Simulation(scenario(library, duration=5.0, changes=[{"time": 3.0, "speed": [0.3, 0.0]}]), record=False)
+    weights = simulation._family.weights
+
+    def hole(inputs):
+        if 0.25 < inputs["speed"] < 0.3:
+            raise BadInput("speed", inputs["speed"], "a gait that could be planned")
+        return weights(inputs)
+
+    simulation._family.weights = hole
+    summary = simulation.run().summary
+    assert summary.steps_held > 0
+    assert f"{summary.steps_held} steps stayed as they were" in "\n".join(stride_lines(summary))
+
+
 def test_the_commands_say_what_they_made_and_what_there_is(library, tmp_path, capsys):
     spec = tmp_path / "grid.toml"
-    spec.write_text('robot = "thbip_ii"\nspeed = [0.2, 0.3]\nperiod = [0.6, 0.7]\n')
+    spec.write_text(GRID)
     assert main(["library", "build", str(spec), "--out", str(library.path), "--json"]) == 0
     made = json.loads(capsys.readouterr().out)
     assert {"gaits": 4, "certified": 4, "failed": [], "resumed": 4}.items() <= made.items()

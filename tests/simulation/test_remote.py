@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import socket
+import socketserver
 from contextlib import contextmanager
+from pathlib import Path
 from threading import Event, Thread
 
 import pytest
 from tests.simulation.standing import robot
 
+from gaitsmith.cli import main
 from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.episodes import episode_key
@@ -150,3 +153,27 @@ def test_it_cannot_be_combined_and_its_falls_are_not_replayed(field):
         why(make_scenario({"controller": "socket:5000"}), robot=robot())
     with pytest.raises(BadInput, match="controller"):
         make_scenario({"controller": json.dumps({"host": "elsewhere"})})
+
+
+def test_what_the_crash_page_shows_answers_and_its_fall_is_not_said_to_be_replayed(monkeypatch, tmp_path, capsys):
+    page = (Path(__file__).resolve().parents[2] / "docs" / "crash.md").read_text()
+    code = page.split("```python\n")[1].split("```")[0].replace("port=5740", "port=0")
+    words = ["walk", "--duration", "3", "--no-figures", "--out", str(tmp_path / "run"), "--controller"]
+
+    def walks(server):
+        """Instead of serving for ever."""
+        thread = Thread(target=socketserver.TCPServer.serve_forever, args=(server, 0.05), daemon=True)
+        thread.start()
+        try:
+            assert main([*words, f"socket:{server.server_address[1]}"]) == 1
+        finally:
+            server.shutdown()
+            server.server_close()
+            thread.join(5.0)
+
+    monkeypatch.setattr(Server, "serve_forever", walks)
+    exec(compile(code, "crash.md", "exec"), {})
+    told = capsys.readouterr().out
+    assert "likeliest cause: " in told
+    assert "gaitsmith why" not in told
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["faults"] == []

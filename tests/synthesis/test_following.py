@@ -6,7 +6,11 @@ from numba.core.runtime import _nrt_python, rtsys
 
 from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput
+from gaitsmith.simulation import run_episode
+from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.plant import Plant
+from gaitsmith.simulation.scenario import make_scenario
+from gaitsmith.synthesis.files.gait_file import write_gait
 from gaitsmith.synthesis.gaits.walkable import walkable
 
 UPRIGHT = 0.9  # cosine of the torso's tilt
@@ -50,6 +54,14 @@ def test_the_planned_gait_walks_as_fast_as_planned_and_the_events_are_counted(co
     assert distance == pytest.approx(6.0 * plan.speed, rel=0.02)
     assert controller.telemetry.step_count[0] == pytest.approx(12, abs=1)
     assert controller.state == "following"
+
+
+def test_the_stage_of_a_planned_walk_is_measured_over_whole_strides(dynamic, robot, controller, tmp_path):
+    write_gait(tmp_path / "gait.json", dynamic.gait)
+    scenario = make_scenario(completed({"gait": [str(tmp_path / "gait.json")], "duration": 5.3}))
+    stage = run_episode(scenario, robot=robot, controller=controller, record=False).summary.stages[-1]
+    assert stage.scored[1] - stage.scored[0] == pytest.approx(2.0 * 0.5, abs=5e-3)
+    assert stage.vx_mean == pytest.approx(0.4, rel=0.01)
 
 
 def test_other_masses_than_planned_do_not_change_the_speed(controller, plan):

@@ -57,7 +57,7 @@ def walk(words: list[str], program: str) -> Outcome:
                 _draw(folder, simulation)
         code = INTERRUPTED if episode.interrupted else FELL if summary.fell else DONE
         document = summary.model_dump(mode="json") | {"out": str(folder) if folder else None}
-    return Outcome(code, document, report(summary, simulation.robot, folder))
+    return Outcome(code, document, report(summary, simulation.robot, folder, not scenario.controller))
 
 
 def scenario_from(arguments: _Walk) -> Scenario:

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 _SHOWN_FAULTS = 12
 
 
-def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text]:
-    """Stages, torques against limits, times, and what went wrong."""
+def report(summary: Summary, robot: Robot, folder: Path | None, ours: bool = True) -> Iterator[Text]:
+    """Stages, torques against limits, times, and what went wrong; ``ours`` is who controlled, whose falls replay."""
     title = f"{summary.robot}, preset {summary.preset}, {summary.state} state, {summary.terrain}"
     yield Table(STAGE_HEADINGS, map(stage_row, summary.stages), left=(), title=title)
     yield _joint_table(summary, robot)
@@ -27,7 +27,8 @@ def report(summary: Summary, robot: Robot, folder: Path | None) -> Iterator[Text
         fall = summary.fall
         yield Styled(f"FELL at {fall.time:.2f} s, {fall.phase}: {fall.reason}", "bold red")
         if fall.cause is not None:
-            yield f"likeliest cause: {fall.cause.what}" + (f"; gaitsmith why {folder} tests it" if folder else "")
+            tests = f"; gaitsmith why {folder} tests it" if folder and ours else ""
+            yield f"likeliest cause: {fall.cause.what}{tests}"
     if summary.interrupted:
         yield Styled(f"interrupted after {summary.duration:.2f} s", "bold yellow")
     if folder is not None:

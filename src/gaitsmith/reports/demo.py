@@ -115,7 +115,7 @@ def _page(profile: Run, planned: dict[str, Run], gaits: dict[str, Gait], tell: T
 
 def _part(page: Page, run: Run, figures: Sequence[Figure], tell: Tell) -> None:
     """One run: pictures, figures, numbers, faults."""
-    outcome(page, run.summary)
+    outcome(page, run)
     tell("drawing", run.folder.name, None, None)
     try:
         times = np.linspace(0.2, float(run.log.time[-1]) - 0.2, 12)

@@ -31,7 +31,7 @@ def run_page(run: Run, figures: bool = True) -> str:
     summary = run.summary
     what = f"{summary.duration:.2f} s, preset {summary.preset}, {summary.state} state, {summary.terrain}"
     page = Page(f"{summary.robot}: {run.folder.resolve().name}", f"{what}, seed {summary.seed}")
-    outcome(page, summary)
+    outcome(page, run)
     for note in run.notes:
         page.text(f"Note: {note}.", "bad")
     page.heading("What was asked")
@@ -51,13 +51,14 @@ def run_page(run: Run, figures: bool = True) -> str:
     return page.render()
 
 
-def outcome(page: Page, summary: Summary) -> None:
+def outcome(page: Page, run: Run) -> None:
     """How it ended, in a line."""
+    summary = run.summary
     if summary.fall is not None:
         page.text(f"Fell at {summary.fall.time:.2f} s, {summary.fall.phase}: {summary.fall.reason}.", "bad")
         if (cause := summary.fall.cause) is not None:
             tried = {
-                None: "not tried; gaitsmith why does",
+                None: "not tried; gaitsmith why does" if not run.scenario.controller else "not tried",
                 True: "without it the robot stands",
                 False: "it falls without it too",
             }

@@ -26,7 +26,7 @@ from gaitsmith.simulation.engines import engine_of
 from gaitsmith.simulation.fall import Fall
 from gaitsmith.simulation.footholds import Guided, source_of
 from gaitsmith.simulation.injection import Injector
-from gaitsmith.simulation.library_run import family_of
+from gaitsmith.simulation.library_run import Steered, family_of
 from gaitsmith.simulation.loop import Backend, Commands, Loop, Observer
 from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
@@ -152,7 +152,8 @@ class Simulation:
         self._disturber = Disturber(scenario.pushes, self.plant, self.columns, self._tell)
         self._file = new_file(record) if record else None
         self._recorder = self._make_recorder(self._file) if self._file is not None else None
-        self._tracked = Tracked(self.plan, self.controller, self.plant) if self.plan is not None else None
+        told = self._tell if scenario.gait else None
+        self._tracked = Tracked(self.plan, self.controller, self.plant, told) if self.plan is not None else None
         self._reactions = Reactions(self.columns, self.controller.estimated, step, self._tell)
         self._strides = Strides(self.columns, self._monitor.prefix, scenario, step, self.robot)
         tour = scenario.tour
@@ -165,6 +166,7 @@ class Simulation:
         backend: Backend = self.plant
         if scenario.faults:
             backend = Injector(self.plant, scenario.faults, self.robot, self._tell)
+        self._steered = orders if isinstance(orders, Steered) else None
         self.loop = Loop(backend, self.controller, orders, observers, getattr(backend, "withholds", None))
         self._watch, self._memory = Stopwatch(), resident_mb()
         self.interrupted = False
@@ -326,6 +328,7 @@ class Simulation:
             memory_mb=Memory(start=self._memory, end=resident_mb()),
             tracking=self._tracked.report(self.time) if self._tracked and self.scenario.gait else None,
             faults=with_unnoticed(tuple(self._reactions.found), self.scenario.faults, self.time),
+            steps_held=self._steered.held if self._steered is not None else None,
             tour=self._guide.report() if self._guide is not None else None,
             log=LogCounts(rows=recorder.rows, dropped=recorder.dropped, complete=recorder.closed) if recorder else None,
         )

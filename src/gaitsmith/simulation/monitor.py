@@ -21,7 +21,8 @@ from gaitsmith.simulation.limits import (
     remember_hits,
     watch_joints,
 )
-from gaitsmith.simulation.summary import SCORED, Signals, Span, Stage, StageCommand, measure_stage
+from gaitsmith.simulation.stages import REMEMBERED, Signals, Span, measure_stage
+from gaitsmith.simulation.summary import Stage, StageCommand
 from gaitsmith.simulation.truth import Truth, truth_columns
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ UPRIGHT, TILTED, SANK, TOUCHED, DIVERGED = range(5)
 
 SETTLING = 1.5  # s after a push, a command or the start of a walk in which it does not count as undisturbed
 _MAX_TILT = math.radians(60.0)
-_TOUCHDOWNS = 256  # remembered; no robot takes more steps in the scored window
+_TOUCHDOWNS = 256  # remembered; no robot takes more steps in the time that signals are kept
 _TURN = 2.0 * math.pi
 _NEVER = 2**62
 _BEGINNINGS = ("walk", "follow")
@@ -138,7 +139,9 @@ def _watch(address: int) -> int:
     watch_joints(seen, bounds, kept.joints, kept.ticks[0] >= kept.quiet_from[0])
     if stepped:
         place = kept.steps[0] % ring.leg.shape[0]
-        ring.touchdown[place], ring.leg[place] = kept.ticks[0], stance
+        # A sole of a plan lands while the other still bears: then legs take turns.
+        other = 1 - ring.leg[(kept.steps[0] - 1) % ring.leg.shape[0]]
+        ring.touchdown[place], ring.leg[place] = kept.ticks[0], stance if stance <= 1 else other
         kept.steps[0] += 1
     kept.step_count[0] = seen.step_count[0]
     state = UPRIGHT
@@ -181,7 +184,7 @@ class Monitor:
         hits, self.limit_names = make_hits(self.joint_names, tuple(leg.name for leg in robot.legs), dt)
         self.prefix = "true." if columns.labels("true") else "believed."
         self._seen = _views(columns, self.prefix, [leg.name for leg in robot.legs])
-        kept = _blank(len(robot.joint_names), hits, round(SCORED / dt) + 1)
+        kept = _blank(len(robot.joint_names), hits, round(REMEMBERED / dt) + 1)
         self._arena = Arena(Watched(self._seen, make_bounds(robot, parameters, dt), kept))
         for shared, given in zip(self._arena.view.seen, self._seen, strict=True):
             if not np.shares_memory(shared, given):
@@ -198,18 +201,18 @@ class Monitor:
         return self.state != UPRIGHT
 
     def hear(self, event: Mapping[str, Any]) -> None:
-        """Take note of a command, which begins a stage, or of a push; both disturb a walk."""
+        """Take note of a command, or of a plan that leaves its loop, which begin a stage, or of a push: all disturb."""
         if "push" in event:
             self._pushes += -1 if event.get("over") else 1
         self.kept.quiet_from[0] = _NEVER if self._pushes else self.ticks + round(SETTLING / self.dt)
-        if not {"command", "action"} & set(event):
+        if not {"command", "action", "plan"} & set(event):
             return
         if self._began < self.ticks:
             self._stages.append(self._stage().model_dump_json().encode())
             _restart(self.kept.stage)
             self._began = self.ticks
         self._gait.update(event.get("command", {}))
-        action = event.get("action")
+        action = "stand" if "plan" in event else event.get("action")
         if action in _BEGINNINGS and self.walked_from is None:
             self.walked_from = self._seen.torso[:2].copy()
         self._rest = action == "stand" or (self._rest and action not in _BEGINNINGS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -85,10 +85,11 @@ class Tracked:
         plan: that is followed.
         controller: that follows it.
         plant: with the robot.
+        tell: told once when the plan leaves its loop; None for a plan that is steered, whose orders say so.
     """
 
-    def __init__(self, plan: Plan, controller: Controller, plant: Plant) -> None:
-        self.plan, self._controller, self._plant = plan, controller, plant
+    def __init__(self, plan: Plan, controller: Controller, plant: Plant, tell: Callable[..., None] | None) -> None:
+        self.plan, self._controller, self._plant, self._tell = plan, controller, plant, tell
         self._begin = math.nan
         self._tilt = np.zeros(2)
         self._contact = controller.reference.contact.copy()
@@ -97,7 +98,10 @@ class Tracked:
 
     def observe(self, tick: int) -> bool:
         """Take note of a tick; never ends the run unless the plan has, in motion."""
-        reference, plant = self._controller.reference, self._plant
+        reference, plant, clock = self._controller.reference, self._plant, self._controller.plan_clock
+        if self._tell is not None and (clock.ended[0] or clock.visit[0] >= self.plan.table.loop_end):
+            self._tell({"plan": "left its loop"})
+            self._tell = None
         if math.isnan(self._begin):
             self._begin = float(plant.com[0])
             self._contact[:] = reference.contact

@@ -32,10 +32,12 @@ def stage_row(stage: Stage) -> tuple[str, ...]:
 
 
 def stride_lines(summary: Summary) -> list[str]:
-    """Step times, and what became of every push, a line each."""
+    """Step times, steps that could not change, and what became of every push, a line each."""
     lines, times = [], summary.step_time
     if times is not None:
         lines.append(f"steps of {times.mean:.3f} s, from {times.min:.3f} to {times.max:.3f} s")
+    if summary.steps_held:
+        lines.append(f"{summary.steps_held} steps stayed as they were: a gait on the way could not be planned")
     for k, (began, recovered) in enumerate(zip(summary.pushes, summary.recovered, strict=False)):
         when = "never began" if began is None else f"at {began:.2f} s, not recovered from"
         if recovered is not None:

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
 from pydantic import create_model
 
-from gaitsmith.compiled import Vector
 from gaitsmith.documents import Frozen
 from gaitsmith.robots.parameters import GAIT_INPUTS
 from gaitsmith.simulation.fall import Fall
 from gaitsmith.simulation.reactions import Reaction
-
-SCORED = 2.0  # s at the end of a stage over which means are taken
-Array = npt.NDArray[np.float64]
-
 
 if TYPE_CHECKING:
 
@@ -42,8 +35,8 @@ class Stage(Frozen):
         t0, t1: beginning and end, s.
         rest: whether rest was commanded.
         command: what was commanded.
-        scored: beginning and end of the window of the means, s; see :func:`scored_window`.
-        vx_mean, vy_mean: CoM velocity in the heading frame, m/s.
+        scored: beginning and end of the window of the means, s; see :func:`gaitsmith.simulation.stages.scored_window`.
+        vx_mean, vy_mean: CoM velocity along the heading, less the heading's sway, m/s.
         vx_error, vy_error: mean minus command.
         height_mean, height_error: hip midpoint above the stance sole, and that minus the command, m.
         yaw_rate_mean, yaw_rate_error: of the torso, and that minus the command, rad/s.
@@ -202,6 +195,8 @@ class Summary(Frozen):
         step_time: of finished steps of the template; None without one.
         warnings: what the physics engine warned of.
         tracking: of a planned gait; None for the template's.
+        steps_held: of a walk by a library: how many steps stayed as they were because a gait on the way could not be
+            planned; None without one, and in a summary made from a log.
         tour: of a run of the teleoperation test; else None.
         faults: what failed, as the controller noticed it, and what it did; faults that it did not notice say so.
     """
@@ -240,109 +235,6 @@ class Summary(Frozen):
     recovered: tuple[float | None, ...] = ()
     step_time: StepTimes | None = None
     tracking: Tracking | None = None
+    steps_held: int | None = None
     tour: TourReport | None = None
     faults: tuple[Reaction, ...] = ()
-
-
-class Span(NamedTuple):
-    """A stage before it is measured: control ticks [first, last), whether at rest, and the command."""
-
-    first: int
-    last: int
-    rest: bool
-    command: StageCommand
-
-
-def scored_window(first: int, last: int, touchdowns: npt.NDArray[np.int64], control_step: float) -> tuple[int, int]:
-    """Ticks [begin, end) over which a stage's means are taken.
-
-    The largest even number of strides (a stride is two steps) between touchdowns of the same leg that fits into the
-    last 2 s of the stage, as late as possible; a single stride if no two fit; else these 2 s as they are.
-
-    Args:
-        first: tick at which the stage begins.
-        last: tick after its end.
-        touchdowns: (m, 2) tick and new stance leg of every step, in order of time.
-        control_step: s.
-    """
-    begin = max(first, last - round(SCORED / control_step))
-    ticks = touchdowns[(touchdowns[:, 0] >= begin) & (touchdowns[:, 0] <= last)]
-    best: tuple[int, int, int] | None = None
-    for leg in (0, 1):
-        own = ticks[ticks[:, 1] == leg, 0]
-        strides = len(own) - 1
-        strides -= strides % 2 if strides > 1 else 0
-        if strides >= 1:
-            found = (strides, int(own[-1]), int(own[-1 - strides]))
-            best = found if best is None else max(best, found)
-    return (best[2], best[1]) if best else (begin, last)
-
-
-def _range_deg(span: tuple[float, float] | Array) -> tuple[float, float]:
-    """Lowest and highest in degrees."""
-    return float(np.degrees(np.min(span))), float(np.degrees(np.max(span)))
-
-
-class Signals(NamedTuple):
-    """What stages are measured by, over ticks: CoM velocity (m/s), hip above the stance sole (m), angles (rad)."""
-
-    speed_x: Vector
-    speed_y: Vector
-    height: Vector
-    roll: Vector
-    pitch: Vector
-    heading: Vector
-
-
-def measure_stage(
-    span: Span,
-    start: int,
-    signals: Signals,
-    touchdowns: npt.NDArray[np.int64],
-    roll: tuple[float, float],
-    pitch: tuple[float, float],
-    turned: float,
-    control_step: float,
-) -> Stage:
-    """A stage that has at least one tick.
-
-    Args:
-        span: of the stage.
-        start: tick of the first row of the signals.
-        signals: up to the stage's end, at least the last 2 s of it.
-        touchdowns: (m, 2) tick and new stance leg, at least those in the last 2 s.
-        roll: lowest and highest over the stage, rad.
-        pitch: the same.
-        turned: change of the heading over the stage, less what was commanded, rad.
-        control_step: s.
-    """
-    first, last, rest, command = span
-    begin, end = max(first, last - round(SCORED / control_step)), last
-    settled = slice(begin - start, end - start)
-    if not rest:
-        begin, end = scored_window(first, last, touchdowns, control_step)
-    scored = slice(begin - start, end - start)
-    vx, vy, height = (float(np.mean(signal[scored])) for signal in (signals.speed_x, signals.speed_y, signals.height))
-    before = max(begin - 1, start, 0)
-    turn = float(signals.heading[end - 1 - start] - signals.heading[before - start])
-    yaw_rate = turn / (max(end - 1 - before, 1) * control_step)
-    return Stage(
-        t0=first * control_step,
-        t1=last * control_step,
-        rest=rest,
-        command=command,
-        scored=(begin * control_step, end * control_step),
-        vx_mean=vx,
-        vx_error=vx - command.vx,
-        vy_mean=vy,
-        vy_error=vy - command.vy,
-        height_mean=height,
-        height_error=height - command.height,
-        yaw_rate_mean=yaw_rate,
-        yaw_rate_error=yaw_rate - command.yaw_rate,
-        heading_drift_deg=float(np.degrees(turned)),
-        roll_deg=_range_deg(roll),
-        pitch_deg=_range_deg(pitch),
-        settled_roll_deg=_range_deg(signals.roll[settled]),
-        settled_pitch_deg=_range_deg(signals.pitch[settled]),
-    )
