@@ -5,13 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gaitsmith.control import Controller
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
+from gaitsmith.simulation.plant import Plant
 from gaitsmith.synthesis import Planner, Request, StepParameters, answer
 from gaitsmith.synthesis.files.gait_file import gait_document, gait_of, require_robot
 from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import unrolled
 from gaitsmith.synthesis.gaits.support import hull, inside
+from gaitsmith.synthesis.gaits.walkable import walkable
 from gaitsmith.synthesis.motions.catalogue import cyclic
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.proof.rigorous import prove
@@ -19,6 +22,7 @@ from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.requests.request import stride
 
 STEP = StepParameters.sized(0.7645, 0.12, 0.4)
+UPRIGHT = 0.98  # cosine of the torso's tilt: 11 degrees, of which the plan has 7
 DEFORMED = 1e-5  # rad: of a lean that no longer obeys its equation of motion
 
 
@@ -98,6 +102,25 @@ def test_a_leaning_robot_turns_about_its_line(robot):
     for x, (place, speed, pull, *_) in zip((-0.07, 0.12), line, strict=True):
         assert np.allclose(place, (0.2 + x, -0.1, 0.0), atol=1e-12)
         assert np.allclose([speed, pull], 0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize("push", [(0.0, 0.0, 0.0), (0.0, 40.0, 0.0)])
+def test_it_walks_as_planned_and_is_not_thrown_by_a_push_aside(gait, robot, push):
+    """No CoP keeps it upright sideways: footholds do. 4 N·s from the right, where its line could not bear a moment."""
+    plan, controller, plant = walkable([gait], robot), Controller(robot), Plant(robot)
+    plant.reset(*plan.start)
+    controller.load(plan)
+    controller.follow()
+    begin, least = float(plant.q[0]), 1.0
+    for tick in range(6000):
+        plant.measure(controller.measurement)
+        torque = controller.tick()
+        plant.push(np.array(push if 2000 <= tick < 2100 else (0.0, 0.0, 0.0)))
+        plant.step(torque)
+        x, y = plant.q[4:6]
+        least = min(least, 1.0 - 2.0 * (x * x + y * y))
+    assert least > UPRIGHT
+    assert float(plant.q[0]) - begin == pytest.approx(6.0 * plan.speed, rel=0.02)
 
 
 def test_the_margin_of_a_line_is_the_way_to_its_ends():

@@ -157,7 +157,8 @@ class Controller:
             raise BadInput("tracking", tracking, " or ".join(TRACKINGS))
         self._refuse_while_following("load", plan.name)
         replays = tracking == "replay"
-        following = make_following(self.robot, plan, BY_CLOCK_ALONE if replays else parameters)
+        turns = bool(self._g.control.turns[0])
+        following = make_following(self.robot, plan, BY_CLOCK_ALONE if replays else parameters, turns)
         if any(a.shape[1:] != b.shape[1:] for a, b in zip(following.plan[4:], self._g.following.plan[4:], strict=True)):
             raise BadInput("plan", plan.name, f"a plan for {self.robot.card.name}")
         self._arena = Arena(self._g._replace(following=following))

@@ -57,6 +57,9 @@ def follow(
     support = plan.support[section]
     if state.support[0] < 0:
         state.heading[0] = math.atan2(sole_rotation[support, 1, 0], sole_rotation[support, 0, 0])
+    elif law.turns == 0:
+        x, y, yaw = sole_rotation[support, 0, 0], sole_rotation[support, 1, 0], state.heading[0]
+        state.heading[0] += law.omega * dt * (math.cos(yaw) * y - math.sin(yaw) * x)
     evaluate(plan, section, clock.time[0], g.sample)
     scale_time(g)
     locate(plan, law, section, state, sole_position, sole_rotation)
@@ -66,7 +69,7 @@ def follow(
         learn_landing(law, support, state)
     move_origin(plan, before, section, state)
     _move_soles(g, section, com, com_velocity, dt)
-    _write_body(g, out)
+    _write_body(g, section, out)
     for row in range(plan.contact.shape[1]):
         _write_sole(g, section, row, out)
     write_joints(g, out)
@@ -124,7 +127,7 @@ def _turn_in(values: Vector, first: int, heading: float, out: Vector) -> None:
 
 
 @kernel
-def _write_body(g: Following, out: Reference) -> None:
+def _write_body(g: Following, section: int, out: Reference) -> None:
     """CoM and torso; while the plan waits for the ground, the CoM goes on as it moved at the end."""
     motion, state, waited = g.sample.motion, g.state, g.clock.waited[0]
     for order in range(3):
@@ -135,6 +138,10 @@ def _write_body(g: Following, out: Reference) -> None:
         for order in range(3):
             out.com[order, axis] += state.anchor[order, axis]
         out.com_weight[axis], out.torso_weight[axis] = 1.0, 1.0
+    if g.law.turns == 0:
+        out.torso_weight[2] = 0.0
+    if is_swing(g.plan, section) and g.law.edges[g.plan.support[section]] == 2:
+        out.com_weight[1] = g.law.on_line
     out.hip_height_weight[0] = 0.0
     orientation(motion, TORSO, state.heading[0], out.torso_rotation, out.torso_spin, out.torso_angular_acceleration)
 

@@ -39,6 +39,8 @@ class FollowParameters:
         slowest: rate of the clock in a swing; it is never faster than time.
         horizon: before landing, from which on the foothold is chosen, 1/ω.
         frozen: before landing, from which on it is kept, 1/ω.
+        on_line: share of the CoM's lateral task while a line sole bears alone: no CoP moves the CoM there, and what
+            else could (the torso's roll, the swing leg) has its own task.
     """
 
     touchdown_force: float = 0.05
@@ -57,12 +59,14 @@ class FollowParameters:
     slowest: float = 0.4
     horizon: float = 2.5
     frozen: float = 0.4
+    on_line: float = 0.0
 
 
 class FollowLaw(NamedTuple):
     """:class:`FollowParameters` of one robot and plan, in SI units, and the soles' sizes.
 
     Attributes:
+        turns: 1 if the legs can turn the torso about the vertical.
         separation: least lateral distance between the soles' origins, m.
         edges: (n,) how many every sole has.
         edge: (n, most, 3) outward unit normal and distance from the sole frame's origin, m.
@@ -86,6 +90,8 @@ class FollowLaw(NamedTuple):
     slowest: float
     horizon: float
     frozen: float
+    on_line: float
+    turns: int
     edges: IntVector
     edge: Cube
     end: Cube
@@ -95,7 +101,7 @@ class FollowState(NamedTuple):
     """What the law remembers; "shift" is against the plan, whose place in the world the support sole decides.
 
     Attributes:
-        heading: (1,) of the plan's x axis in the world, rad.
+        heading: (1,) of the plan's x axis in the world, rad; it goes with the support soles of legs that cannot turn.
         support: (1,) row of the last tick's support sole, -1 before the first.
         place: (n, 3) a_i: the plan's origin in the world as each sole on the ground says, m.
         anchor: (3, 3) C: the plan's origin as the CoM follows it, its rate and its acceleration, world, m.
@@ -129,8 +135,10 @@ class Following(NamedTuple):
     state: FollowState
 
 
-def make_following(robot: Robot, plan: Plan | None = None, parameters: FollowParameters | None = None) -> Following:
-    """A plan at its beginning; without one, room for none."""
+def make_following(
+    robot: Robot, plan: Plan | None = None, parameters: FollowParameters | None = None, turns: bool = True
+) -> Following:
+    """A plan at its beginning; without one, room for none. ``turns``: whether the legs can turn the torso."""
     soles, joints = len(robot.legs), len(robot.joint_names)
     state = FollowState(
         heading=np.zeros(1),
@@ -145,7 +153,7 @@ def make_following(robot: Robot, plan: Plan | None = None, parameters: FollowPar
         error=np.zeros(2),
     )
     table = empty_table(soles, joints) if plan is None else plan.table
-    law = _law(robot, 1.0 if plan is None else plan.height, parameters or FollowParameters())
+    law = _law(robot, 1.0 if plan is None else plan.height, parameters or FollowParameters(), turns)
     return Following(table, law, make_plan_clock(), make_plan_sample(soles, joints), state)
 
 
@@ -156,7 +164,7 @@ def restart_following(following: Following) -> None:
     following.clock.rate[0], following.state.support[0] = 1.0, -1
 
 
-def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
+def _law(robot: Robot, z: float, given: FollowParameters, turns: bool) -> FollowLaw:
     gravity = float(np.linalg.norm(robot.model.opt.gravity))
     omega, speed = math.sqrt(gravity / z), math.sqrt(gravity * z)
     soles = [leg.sole for leg in robot.legs]
@@ -179,6 +187,8 @@ def _law(robot: Robot, z: float, given: FollowParameters) -> FollowLaw:
         slowest=given.slowest,
         horizon=given.horizon / omega,
         frozen=given.frozen / omega,
+        on_line=given.on_line,
+        turns=int(turns),
         edges=edges,
         edge=edge,
         end=np.array([sole.ends for sole in soles]),

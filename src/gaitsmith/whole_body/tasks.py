@@ -145,7 +145,7 @@ def add_swing(g: WholeBody, tasks: TaskTable, leg: int) -> None:
 
 @kernel
 def add_sole_turn(g: WholeBody, tasks: TaskTable, leg: int) -> None:
-    """A sole's rotation follows its reference: about all axes in the air, about its edge on the ground."""
+    """A sole's rotation follows its reference: about its edge on the ground, in the air about all axes but its line."""
     reference, frames, motion, task = g.reference, g.body.frames, g.motion, tasks.swing_turn
     kind = g.contacts.kind[leg]
     if kind == FLAT:
@@ -154,6 +154,8 @@ def add_sole_turn(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     turn_error(frames.sole_rotation[leg], reference.sole_rotation[leg], motion.turn)
     for axis in range(3):
         if kind != NONE and axis + ROLL_MOMENT != PITCH_MOMENT:
+            continue
+        if kind == NONE and axis == 0 and g.body.legs.half_width[leg] == 0.0:
             continue
         direction = (axes[0, axis], axes[1, axis], axes[2, axis])
         _row_along(direction, frames.sole_jacobian[leg], 3, motion.row)
