@@ -83,7 +83,7 @@ def test_flags_override_a_file(tmp_path: Path) -> None:
         (["--terrain", "stairs"], "--terrain: got 'stairs'"),
         (["--terrain", "boxes:nan"], "--terrain"),
         (["--robot", "nobody"], "--robot: got 'nobody', expected bhr_b2"),
-        (["--preset", "nothing"], "--preset: got 'nothing', expected one of default, paper"),
+        (["--preset", "nothing"], "--preset: got 'nothing', expected one of default, experiment, paper"),
         (["--joint-friction", "-1"], "--joint-friction"),
         (["absent.toml"], "absent.toml"),
         (["figure5", "--duration", "12"], "figure5: changes[1].time: got 13.0"),

@@ -118,7 +118,7 @@ def test_numbers_that_are_none_are_refused(value: float) -> None:
 
 
 def test_bad_construction_is_refused() -> None:
-    with pytest.raises(BadInput, match="default, paper"):
+    with pytest.raises(BadInput, match="default, experiment, paper"):
         Controller(robot("bhr_b2"), "fast")
     with pytest.raises(BadInput, match="true or estimated"):
         Controller(robot("bhr_b2"), state="guessed")  # type: ignore[arg-type]

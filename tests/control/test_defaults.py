@@ -117,5 +117,5 @@ def test_every_default_is_valid() -> None:
 
 
 def test_an_unknown_preset_is_refused() -> None:
-    with pytest.raises(BadInput, match="default, paper"):
+    with pytest.raises(BadInput, match="default, experiment, paper"):
         preset_parameters(robot("bhr_b2"), robot_scale(robot("bhr_b2")), "fast")

@@ -1,4 +1,4 @@
-"""Steps, printed references and real ground reactions, measured on short runs of which they are known."""
+"""Steps measured on short runs of which they are known."""
 
 from itertools import pairwise
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from gaitsmith.reports.run import Run, make_run
-from gaitsmith.reproduction.printed import printed_stance
 from gaitsmith.reproduction.steps import settled, steps_of
 from gaitsmith.reproduction.template import _alike
 from gaitsmith.simulation.scenario import Change, Scenario
@@ -36,16 +35,6 @@ def test_sides_alternate_and_a_change_starts_the_count_anew(walk: Run) -> None:
     change = next(k for k, step in enumerate(steps) if step.period < 0.35)
     assert steps[change].since == 0
     assert steps[change - 1].since > 4
-
-
-def test_the_printed_stance_runs_from_half_a_step_ahead_to_half_behind(walk: Run) -> None:
-    printed, record = printed_stance(walk), walk.recording
-    rows = np.flatnonzero(record.walking & (record.stance == 0) & (record.time > 2.0) & (record.time < 3.9))
-    x = printed[rows, 0]
-    assert x.max() == pytest.approx(0.5 * 0.4 * 0.2, rel=0.05)
-    assert x.min() < -0.5 * 0.5 * 0.4 * 0.2
-    assert np.all(printed[rows, 1] == walk.robot.card.gait.width)
-    assert np.all(np.isnan(printed[rows, 3:]))
 
 
 def test_a_periodic_curve_is_itself_a_period_later_and_noise_is_not() -> None:

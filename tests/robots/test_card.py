@@ -27,7 +27,7 @@ def test_presets_are_merged_over_the_default() -> None:
     presets = parse_card(DATA).presets
     default, paper = presets["default"], presets["paper"]
     assert paper.speed.integral_gain == (0.0, 0.0)
-    assert paper.foothold.reach == default.foothold.reach
+    assert paper.foothold.sway == default.foothold.sway
     assert paper.joint_gains.swing_stiffness == (60.0, 150.0, 150.0, 30.0)
     assert paper.tracking == default.tracking
 
@@ -38,8 +38,8 @@ def test_a_card_may_be_silent() -> None:
     assert list(card.presets) == ["default"]
     assert card.presets["default"].model_dump(exclude_none=True) == {}
     presets = parse_card(changed(DATA, "presets", "default", value=...)).presets
-    assert list(presets) == ["default", "paper"]
-    assert presets["paper"].foothold.reach is None
+    assert list(presets) == ["default", "paper", "experiment"]
+    assert presets["paper"].foothold.sway is None
 
 
 def test_card_is_frozen() -> None:

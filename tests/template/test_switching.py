@@ -28,8 +28,8 @@ def walking(stance: int, count: int = 4) -> StepState:
 
 
 def switch(step: StepState, requested: GaitInputs, latched: GaitInputs, seed: int = 0) -> tuple[np.ndarray, Frames]:
-    """Switch with a random desired height of the landed sole and random frames, which are returned."""
-    desired, frames = np.random.default_rng(seed).normal(size=3), some_frames(seed)
+    """Switch with a random desired state of the landed sole and random frames, which are returned."""
+    desired, frames = np.random.default_rng(seed).normal(size=(3, 3)), some_frames(seed)
     switch_legs(step, requested, latched, GAINS, 1 - int(step.stance[0]), desired, frames)
     return desired, frames
 
@@ -75,7 +75,7 @@ def test_durations_are_learnt_within_bounds() -> None:
 
 def test_begin_step_resets_the_clock_and_counts() -> None:
     step = walking(0)
-    begin_step(step, 1, 0, np.zeros(3), some_frames())
+    begin_step(step, 1, 0, np.zeros((3, 3)), some_frames())
     assert (step.stance[0], step.count[0], step.time[0], step.last_duration[0]) == (1, 5, 0.0, 0.38)
 
 

@@ -6,11 +6,12 @@ from hypothesis import strategies as st
 
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.template.step import GaitInputs, StepState, make_gait_inputs, make_step_state
-from gaitsmith.template.trajectory import smooth_share, support_height, swing_foot, swing_pitch, swing_yaw
+from gaitsmith.template.trajectory import Printed, smooth_share, support_foot, swing_foot, swing_pitch, swing_yaw
 
 EXACT = 1e-9  # m, m/s, m/s²: rounding of a closed form whose terms reach 1e3
 JOIN = 1e-6  # s, on both sides of the joint
 DESCENT = 0.25  # m/s
+REPLACED, PRINTED = Printed(*[0.0] * 6), Printed(*[1.0] * 6)
 
 gaits = st.builds(
     GaitParameters,
@@ -26,24 +27,30 @@ seeds = st.integers(0, 2**32 - 1)
 def a_step(seed: int) -> tuple[StepState, np.ndarray]:
     """A step that starts from a random state of both soles, and a foothold."""
     rng, step = np.random.default_rng(seed), make_step_state(2, 4)
-    step.support_start[:] = rng.normal(size=3) * [0.2, 0.5, 2.0]
-    step.support_start[0] = -rng.uniform(0.4, 0.75)
+    step.support_start[:] = rng.normal(size=(3, 3)) * [[0.2], [0.5], [2.0]]
+    step.support_start[0, 2] = -rng.uniform(0.4, 0.75)
+    step.speed[:] = rng.uniform(-0.5, 0.5, size=2)
     step.swing_start[:] = rng.normal(size=(2, 3)) * [[0.2], [0.5]]
     step.swing_start[0, 2] = -rng.uniform(0.4, 0.75)
     return step, rng.uniform(-0.3, 0.3, size=2)
 
 
-def support_at(step: StepState, gait: GaitInputs, time: float) -> np.ndarray:
+def support_at(step: StepState, gait: GaitInputs, time: float, printed: Printed = REPLACED) -> np.ndarray:
+    """State of a left support sole, which is at rest below the hips where no curve says otherwise."""
     step.time[0] = step.place[0] = time
-    out = np.zeros(3)
-    support_height(step, gait, float(gait.height[0]), out)
+    out = np.zeros((3, 3))
+    support_foot(step, gait, printed, float(gait.height[0]), 1.0, np.zeros(3), out)
     return out
 
 
-def swing_at(step: StepState, gait: GaitInputs, foothold: np.ndarray, time: float) -> np.ndarray:
+def swing_at(
+    step: StepState, gait: GaitInputs, foothold: np.ndarray, time: float, printed: Printed = REPLACED
+) -> np.ndarray:
+    """State of a right swing sole."""
     step.time[0] = step.place[0] = time
     out = np.zeros((3, 3))
-    swing_foot(step, gait, foothold, -gait.height[0], -gait.height[0], 0.5, DESCENT, np.zeros(3), out)
+    low = -gait.height[0]
+    swing_foot(step, gait, foothold, low, low, 0.5, printed, -1.0, DESCENT, np.zeros(3), out)
     return out
 
 
@@ -51,17 +58,44 @@ def swing_at(step: StepState, gait: GaitInputs, foothold: np.ndarray, time: floa
 def test_support_goes_from_its_desired_state_to_the_height(parameters: GaitParameters, seed: int) -> None:
     """First rule of section 2.2 at the start, eq. 7 at the end."""
     gait, (step, _) = make_gait_inputs(parameters), a_step(seed)
-    np.testing.assert_allclose(support_at(step, gait, 0.0), step.support_start, atol=EXACT)
-    np.testing.assert_allclose(support_at(step, gait, parameters.period), [-parameters.height, 0.0, 0.0], atol=EXACT)
+    np.testing.assert_allclose(support_at(step, gait, 0.0)[:, 2], step.support_start[:, 2], atol=EXACT)
+    end = support_at(step, gait, parameters.period)
+    np.testing.assert_allclose(end[:, 2], [-parameters.height, 0.0, 0.0], atol=EXACT)
+    assert not np.any(end[:, :2])
+
+
+@given(gaits, seeds)
+def test_the_support_sole_as_printed(parameters: GaitParameters, seed: int) -> None:
+    """Eqs. 7 to 9: from the desired state at the switch; at αT below the hips and at H, at T half a step behind."""
+    gait, (step, _) = make_gait_inputs(parameters), a_step(seed)
+    np.testing.assert_allclose(support_at(step, gait, 0.0, PRINTED), step.support_start, atol=EXACT)
+    middle = support_at(step, gait, parameters.alpha * parameters.period, PRINTED)[0]
+    np.testing.assert_allclose(middle, [0.0, parameters.width, -parameters.height], atol=EXACT)
+    end = support_at(step, gait, parameters.period, PRINTED)
+    half = 0.5 * parameters.period * step.speed[0]
+    np.testing.assert_allclose(end[0], [-half, parameters.width, -parameters.height], atol=EXACT)
+    np.testing.assert_allclose(end[1:], 0.0, atol=EXACT)
+
+
+@given(gaits, seeds)
+def test_the_swing_sole_as_printed(parameters: GaitParameters, seed: int) -> None:
+    """Eqs. 10 and 11: below its hip at αT; start, lift and end are the same."""
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
+    for time in (0.0, parameters.period):
+        usual = swing_at(step, gait, foothold, time)
+        np.testing.assert_allclose(swing_at(step, gait, foothold, time, PRINTED), usual, atol=EXACT)
+    middle = swing_at(step, gait, foothold, parameters.alpha * parameters.period, PRINTED)[0]
+    np.testing.assert_allclose(middle, [0.0, -parameters.width, parameters.lift - parameters.height], atol=EXACT)
 
 
 @given(gaits)
 def test_support_at_its_height_stays_there(parameters: GaitParameters) -> None:
     """Eq. 7 to the letter: nothing moves."""
     gait, step = make_gait_inputs(parameters), make_step_state(2, 4)
-    step.support_start[0] = -parameters.height
+    step.support_start[0, 2] = -parameters.height
     for time in np.linspace(0.0, 1.5 * parameters.period, 20):
-        np.testing.assert_allclose(support_at(step, gait, time), [-parameters.height, 0.0, 0.0], atol=EXACT)
+        found = support_at(step, gait, time)[:, 2]
+        np.testing.assert_allclose(found, [-parameters.height, 0.0, 0.0], atol=EXACT)
 
 
 @given(gaits, seeds)

@@ -18,7 +18,7 @@ from gaitsmith.dynamics.tree import make_tree_state, read_tree
 from gaitsmith.errors import BadInput
 from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import Robot
-from gaitsmith.robots.presets import ControlParameters
+from gaitsmith.robots.presets import ControlParameters, PrintedParameters
 
 _ATTITUDE, _ATTITUDE_RATIO = 12.0, 0.9  # ω², damping ratio
 _TRACKING, _SWING = 18.0, 36.0  # ω², critically damped: joints, the swing foot
@@ -116,6 +116,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "settled_speed": 0.0185 * speed,
         },
         "step_time": {"shortest": 0.5, "foot_speed": 0.74 * speed},
+        "printed": dict.fromkeys(PrintedParameters.model_fields, False),
         "cop": {"gain": (2.0, 2.0), "weight": 2.2 * angular * rate**4 / torque**2},
         "attitude": {
             f"{axis}_{name}": value

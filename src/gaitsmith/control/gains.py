@@ -10,6 +10,7 @@ from gaitsmith.kinematics.inverse import InverseGains
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.template.balance import CopGains
 from gaitsmith.template.state import JointShares, RestGains, StepTimeGains
+from gaitsmith.template.trajectory import Printed
 from gaitsmith.whole_body.contact import ContactBounds
 from gaitsmith.whole_body.problem import JointBounds
 from gaitsmith.whole_body.tasks import Task, TaskTable
@@ -83,6 +84,7 @@ def make_gains(parameters: ControlParameters, dt: float) -> dict[str, Any]:
         "tasks": make_task_table(parameters),
         "cop": CopGains(gain_x=cop.gain[0], gain_y=cop.gain[1], margin=contact.zmp_margin),
         "shares": JointShares(knee=weights.knee, swing_joint=weights.swing_joint, swing_ankle=weights.swing_ankle),
+        "printed": Printed(**{name: float(taken) for name, taken in parameters.printed.model_dump().items()}),
         "times": StepTimeGains(**parameters.step_time.model_dump()),
         "rest": RestGains(
             weight_shift=float(standing.weight_shift),

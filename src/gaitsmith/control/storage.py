@@ -81,7 +81,7 @@ def make_storage(
         chains=make_leg_table(chains),
         inverse=make_inverse_kinematics(n_leg),
         inverse_program=make_quadratic_program(n_leg, 0),
-        **{name: gains.pop(name) for name in ("times", "cop", "shares", "rest", "inverse_gains")},
+        **{name: gains.pop(name) for name in ("times", "printed", "cop", "shares", "rest", "inverse_gains")},
     )
     return Tick(
         body=body,

@@ -12,6 +12,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.files import write_text_atomic
 from gaitsmith.reports.page import Page
 from gaitsmith.reproduction import synthesis, template
+from gaitsmith.reproduction.as_printed import as_printed
 from gaitsmith.reproduction.engines import engines
 from gaitsmith.reproduction.finding import Found, Row
 from gaitsmith.simulation.episode import Simulation
@@ -36,6 +37,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "engines": Experiment(("template5",), engines),
     "whole": Experiment(("synthesis7", "synthesis8", "synthesis9", "synthesis10"), synthesis.whole),
     "cyclic": Experiment(("synthesis4", "synthesis5", "synthesis6"), synthesis.cyclic),
+    "printed": Experiment(("template5",), as_printed),
     "profile": Experiment(("template5", "template6"), template.profile),
     "parameters": Experiment(("template10",), template.parameters),
     "heights": Experiment(("template7",), template.heights),

@@ -56,7 +56,8 @@ def cyclic(found: Found, tell: Tell) -> None:
     tell("walking the static gait")
     slow = walk_plan(static, robot, "static", found.folder, tell, 10)
     fast = walk_plan(dynamic, robot, "dynamic", found.folder, tell, 20)
-    found.draw("synthesis6", draw.real_zmp((slow, fast), ("static walking", "dynamic walking"), "Fig. 6"))
+    said = [trace.conditions for trace in traces]
+    found.draw("synthesis6", draw.real_zmp((slow, fast), ("static walking", "dynamic walking"), said, "Fig. 6"))
     _zmp(found, slow, fast)
 
 
@@ -248,7 +249,7 @@ def whole(found: Found, tell: Tell) -> None:
     found.draw("synthesis8", draw.angles(trace, "Fig. 8: joint angles of the whole motion"))
     real = walk_plan(gait, robot, "whole", found.folder, tell)
     found.frames("synthesis9", real.run, 0.3, float(real.time[-1]))
-    found.draw("synthesis10", draw.real_zmp((real,), ("start, cycles and stop",), "Fig. 10"))
+    found.draw("synthesis10", draw.real_zmp((real,), ("start, cycles and stop",), (trace.conditions,), "Fig. 10"))
     verdict = verify(gait, robot)
     problems = "; ".join(verdict.problems) or "none"
     found.say(
@@ -294,7 +295,7 @@ def kick(found: Found, tell: Tell) -> None:
     found.draw("synthesis11", draw.swing_joints(trace))
     real = walk_plan(gait, robot, "kick", found.folder, tell)
     found.frames("synthesis12", real.run, 0.4, gait.duration - 0.4)
-    found.draw("synthesis12", draw.real_zmp((real,), ("kick",), "Fig. 12"))
+    found.draw("synthesis12", draw.real_zmp((real,), ("kick",), (trace.conditions,), "Fig. 12"))
     verdict = verify(gait, robot)
     found.say(
         "synthesis11",

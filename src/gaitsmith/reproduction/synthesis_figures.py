@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from gaitsmith.reproduction.real import Real
+from gaitsmith.reproduction.real import AVERAGED, Real
 from gaitsmith.synthesis.gaits.support import contact_points, hull
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, figure, sole_corners
+from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, in_words, sole_corners
 from gaitsmith.view.gait_trace import GaitTrace
 from gaitsmith.view.sticks import draw_shots, draw_side
 
@@ -32,7 +32,7 @@ def two_sticks(static: GaitTrace, dynamic: GaitTrace) -> Figure:
                 foot.plot(trace.time, trace.bodies[:, chain[-1], 2], color=colour, label=trace.robot.legs[side].name)
             trace.shade(foot)
             foot.set(xlabel="time, s", ylabel="ankle z, m")
-        grid[2][0].legend(loc="upper right", fontsize=9.0)
+        above(grid[2][0], 2)
     return made
 
 
@@ -54,12 +54,12 @@ def torques(static: GaitTrace, dynamic: GaitTrace) -> Figure:
         for column, (trace, name) in enumerate(((static, "static"), (dynamic, "dynamic"))):
             left, right = trace.robot.legs
             for row, (one, two) in enumerate(zip(left.joint_indices, right.joint_indices, strict=True)):
-                title = f"{name}, {trace.robot.joint_names[two].replace('right_', '')}"
+                title = f"{name}, {in_words(trace.robot.joint_names[two]).partition(' ')[2]}"
                 trace.sides(grid[row][column], trace.samples.torque[:, one], trace.samples.torque[:, two], title)
                 if column == 0:
                     grid[row][column].set_ylabel("N·m")
             grid[-1][column].set_xlabel("time, s")
-        made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return made
 
 
@@ -70,12 +70,12 @@ def angles(trace: GaitTrace, title: str) -> Figure:
         grid = made.subplots(3, 2, sharex=True)
         pairs = list(zip(left.joint_indices, right.joint_indices, strict=True))
         for axes, (one, two) in zip(grid.flat, pairs, strict=False):
-            name = trace.robot.joint_names[one].replace("left_", "")
+            name = in_words(trace.robot.joint_names[one]).partition(" ")[2]
             trace.sides(axes, trace.samples.position[:, 7 + one], trace.samples.position[:, 7 + two], name)
             axes.set_ylabel("rad")
         for axes in grid[-1]:
             axes.set_xlabel("time, s")
-        made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return made
 
 
@@ -86,7 +86,7 @@ def swing_joints(trace: GaitTrace) -> Figure:
     with figure(f"Fig. 11: joints of the swing leg ({swings})", 7.0, f"{trace.title}; {trace.conditions}") as made:
         curves, side = made.subplots(2, 1, height_ratios=(2.4, 1.2))
         for joint, name in zip(leg.joint_indices, leg.joints, strict=True):
-            curves.plot(trace.time, trace.samples.position[:, 7 + joint], label=name)
+            curves.plot(trace.time, trace.samples.position[:, 7 + joint], label=in_words(name).partition(" ")[2])
         for border in trace.gait.motion.borders[1:-1]:
             curves.axvline(float(border), color=LIMIT, linewidth=0.8, linestyle=":")
         trace.shade(curves)
@@ -96,9 +96,11 @@ def swing_joints(trace: GaitTrace) -> Figure:
     return made
 
 
-def real_zmp(parts: Sequence[Real], names: Sequence[str], title: str) -> Figure:
+def real_zmp(parts: Sequence[Real], names: Sequence[str], conditions: Sequence[str], title: str) -> Figure:
     """Figs. 6, 10, 12: real ZMP and CoG from above and over time, with the planned support polygons."""
-    with figure(f"{title}: real ZMP and CoG in closed loop", 10.0, "shaded: planned support polygons") as made:
+    walked = "; ".join(f"{name}: {condition}" for name, condition in zip(names, conditions, strict=True))
+    means = f"ZMP: means over {1e3 * AVERAGED:.0f} ms; boxes: planned footprints; grey: support polygons"
+    with figure(f"{title}: real ZMP and CoG in closed loop", 10.0, f"{walked}; {means}") as made:
         grid = made.subplots(4, len(parts), squeeze=False, height_ratios=(2.2, 1.2, 1.2, 1.2))
         for column, (real, name) in enumerate(zip(parts, names, strict=True)):
             _plane(grid[0][column], real)
@@ -114,7 +116,8 @@ def real_zmp(parts: Sequence[Real], names: Sequence[str], title: str) -> Figure:
 def _plane(axes: Axes, real: Real) -> None:
     robot, biped = real.run.robot, biped_from(real.run.robot)
     for phase in dict.fromkeys(real.plan.phases):
-        axes.add_patch(Polygon(hull(contact_points(biped, phase)), facecolor=BAND, edgecolor="none", zorder=0))
+        polygon = hull(contact_points(biped, phase))
+        axes.add_patch(Polygon(polygon, facecolor=LIMIT, alpha=0.2, edgecolor="none", zorder=0))
         for leg, colour, side in ((0, LEFT, "left"), (1, RIGHT, "right")):
             place = phase.place(side)  # type: ignore[arg-type]
             if place is not None:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gaitsmith.reproduction.steps import Step
-from gaitsmith.view.canvas import COMMAND, LEFT, RIGHT, THIRD, above, figure, sampled
+from gaitsmith.view.canvas import BAND, COMMAND, LEFT, RIGHT, THIRD, above, figure, in_words, sampled
 from gaitsmith.view.recording import Recording
 
 Array = npt.NDArray[np.float64]
@@ -59,7 +59,8 @@ def joints(record: Recording, indices: npt.NDArray[np.int64]) -> Figure:
     ):
         for axis, joint in zip(axes, indices, strict=True):
             told, was = (np.degrees(values[at, joint]) for values in (record.joint_desired, record.joint_position))
-            _pair(axis, time, told, was, f"{record.robot.joint_names[joint]}\n°")
+            name = in_words(record.robot.joint_names[joint]).partition(" ")[2]
+            _pair(axis, time, told, was, f"{name}, °")
         axes[-1].set_xlim(float(time[0]), float(time[-1]))
         above(axes[0], 2)
     return made
@@ -77,8 +78,8 @@ def speed_and_height(record: Recording) -> Figure:
     return made
 
 
-def feet(record: Recording, printed: Array) -> Figure:
-    """Fig. 9: both soles relative to the torso, desired and actual, and the stance reference as the paper prints it."""
+def feet(record: Recording) -> Figure:
+    """Fig. 9: both soles relative to the torso, desired and actual; stance is shaded."""
     at = sampled(record, record.window(_STRIDES))
     time = record.time[at]
     with figure("Fig. 9: soles relative to the hips", 7.0, f"{record.title}; {record.conditions}") as made:
@@ -93,12 +94,13 @@ def feet(record: Recording, printed: Array) -> Figure:
                     record.foot_actual[at, column],
                     name if not side else "",
                 )
-                axis.plot(time, printed[at, column], color=COMMAND, linewidth=1.2, linestyle=":", label="eqs. 7 to 9")
+                bears, edge = record.walking[at] & (record.stance[at] == side), axis.get_xaxis_transform()
+                axis.fill_between(time, 0.0, 1.0, where=bears, transform=edge, color=BAND, zorder=0, label="stance")
         for side, leg in enumerate(record.robot.legs):
             grid[0][side].set_title(f"{leg.name} leg")
             grid[-1][side].set_xlabel("time, s")
         grid[0][0].set_xlim(float(time[0]), float(time[-1]))
-        made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
+        made.legend(*grid[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return made
 
 
@@ -139,6 +141,7 @@ def cycles(steps: list[Step], record: Recording) -> Figure:
             taken = np.array([step.duration for step in steps])
             name = record.robot.legs[side].name
             axis.plot(numbers[own], taken[own], marker, ms=5, color=_WAS, label=f"actual, {name} swings")
-        axis.set(xlabel="step", ylabel="duration, s", ylim=(0.0, 1.15 * max(told)))
+        longest = max(*told, *(step.duration for step in steps))
+        axis.set(xlabel="step", ylabel="duration, s", ylim=(0.0, 1.1 * longest))
         above(axis, 3)
     return made

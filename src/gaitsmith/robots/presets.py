@@ -79,6 +79,27 @@ class StepTimeParameters(Parameters):
     foot_speed: Positive
 
 
+class PrintedParameters(Parameters):
+    """Which references are the paper's as printed (Han 2023); false takes what stands in for them.
+
+    Attributes:
+        support_height: eq. 7: a new height of the hips is reached at αT; else at T.
+        support_place: eqs. 8 and 9 from the desired state at the switch (section 2.2, first rule): the stance sole's y
+            goes to ±W, its x through 0 to half a step behind; else both are where the sole is.
+        swing_via: eqs. 10 and 11: at αT the swing sole passes x = 0 and y = ±W; else the middle of its way.
+        swing_frame: eq. 19: the acceleration that Γ2 compares is the world's; else relative to the hips, as p^d is.
+        swing_feedback: eq. 20 alone; else the curve's own acceleration is added.
+        joint_reference: section 4.1: q^d = q + Δq, from the measured joints; else from the last q^d.
+    """
+
+    support_height: bool
+    support_place: bool
+    swing_via: bool
+    swing_frame: bool
+    swing_feedback: bool
+    joint_reference: bool
+
+
 class CopParameters(Parameters):
     """Centre of pressure of the stance sole: k (ξ - ξ_ref) from the sole's origin, as a soft target.
 
@@ -253,6 +274,7 @@ class ControlParameters(Parameters):
     foothold: FootholdParameters
     speed: SpeedParameters
     step_time: StepTimeParameters
+    printed: PrintedParameters
     cop: CopParameters
     attitude: AttitudeParameters
     tracking: TrackingParameters

@@ -53,7 +53,7 @@ def _leave_rest(g: Template) -> None:
     if g.requested.speed[0] == 0.0 and g.requested.speed[1] == 0.0:
         step.station_kept[0] = 1
         step.station[0], step.station[1] = com[0], com[1]
-    begin_step(step, stance, g.body.legs.other[stance], desired[:, 2], frames)
+    begin_step(step, stance, g.body.legs.other[stance], desired, frames)
     step.last_duration[0] = 0.0
     step.settling[0] = SETTLING_STEPS
     step.mode[0] = WALK
@@ -161,7 +161,7 @@ def advance_phase(g: Template, dt: float) -> bool:
         return False
     if event == FORCED:
         step.forced[0] += 1
-    switch_legs(step, g.requested, g.latched, g.speed, swing, step.foot_desired[swing][:, 2], frames)
+    switch_legs(step, g.requested, g.latched, g.speed, swing, step.foot_desired[swing], frames)
     if step.walk_requested[0] == 0 and event != FORCED and _may_rest(g):
         step.mode[0] = STAND
         step.count[0] -= 1

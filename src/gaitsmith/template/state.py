@@ -15,6 +15,7 @@ from gaitsmith.template.ground import Ground
 from gaitsmith.template.posture import Posture
 from gaitsmith.template.step import GaitInputs, StepState
 from gaitsmith.template.touchdown import TouchdownRule
+from gaitsmith.template.trajectory import Printed
 from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.reference import Reference
 
@@ -110,6 +111,7 @@ class Template(NamedTuple):
     foothold: FootholdGains
     speed: SpeedGains
     times: StepTimeGains
+    printed: Printed
     cop: CopGains
     shares: JointShares
     forecast: Forecast

@@ -54,7 +54,7 @@ class StepState(NamedTuple):
         rate: (1,) how fast ``place`` advances.
         last_duration: (1,) duration of the previous step, s.
         duration_ratio: (1,) how long steps last, as a share of the commanded period (early touchdown).
-        support_start: (3,) desired height of the support sole, its rate and acceleration when the step began.
+        support_start: (3, 3) desired position, velocity, acceleration (rows) of the support sole when the step began.
         swing_start: (2, 3) actual position and velocity of the swing sole when the step began.
         swing_pitch_start: (1,) pitch of the swing sole when the step began, rad.
         swing_yaw_start: (1,) its yaw against the heading, rad.
@@ -89,7 +89,7 @@ class StepState(NamedTuple):
     rate: Vector
     last_duration: Vector
     duration_ratio: Vector
-    support_start: Vector
+    support_start: Matrix
     swing_start: Matrix
     swing_pitch_start: Vector
     swing_yaw_start: Vector
@@ -128,7 +128,7 @@ def make_step_state(n_soles: int, n_leg: int) -> StepState:
         **dict.fromkeys(("velocity_sum", "last_mean_velocity", "integral", "speed", "station"), (2,)),
         **dict.fromkeys(("last_position", "position_sum", "foothold"), (2,)),
         **dict.fromkeys(("leg_reference", "leg_rate"), (n_soles, n_leg)),
-        "support_start": (3,),
+        "support_start": (3, 3),
         "swing_start": (2, 3),
         "foot_desired": (n_soles, 3, 3),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gaitsmith.compiled import Vector, kernel
+from gaitsmith.compiled import Matrix, kernel
 from gaitsmith.template.foothold import SpeedGains, finish_step
 from gaitsmith.template.step import GaitInputs, StepState
 from gaitsmith.whole_body.frames import Frames
@@ -23,14 +23,14 @@ def latch(step: StepState, requested: GaitInputs, latched: GaitInputs) -> None:
 
 
 @kernel
-def begin_step(step: StepState, stance: int, swing: int, support_desired: Vector, frames: Frames) -> None:
+def begin_step(step: StepState, stance: int, swing: int, support_desired: Matrix, frames: Frames) -> None:
     """Start a step with the two rules of section 2.2.
 
     Args:
         step: the step that ends; overwritten.
         stance: leg that bears the step.
         swing: leg that is lifted; its actual state is where the swing starts from: second rule.
-        support_desired: (3,) desired height of the new support sole, its rate and acceleration: first rule.
+        support_desired: (3, 3) desired state of the new support sole: first rule.
         frames: of this tick.
     """
     step.stance[0] = stance
@@ -39,7 +39,8 @@ def begin_step(step: StepState, stance: int, swing: int, support_desired: Vector
     step.rate[0] = 1.0
     step.count[0] += 1
     for axis in range(3):
-        step.support_start[axis] = support_desired[axis]
+        for order in range(3):
+            step.support_start[order, axis] = support_desired[order, axis]
         step.swing_start[0, axis] = frames.relative_position[swing, axis]
         step.swing_start[1, axis] = frames.relative_velocity[swing, axis]
     step.swing_pitch_start[0] = frames.sole_pitch[swing]
@@ -53,7 +54,7 @@ def switch_legs(
     latched: GaitInputs,
     gains: SpeedGains,
     landed: int,
-    support_desired: Vector,
+    support_desired: Matrix,
     frames: Frames,
 ) -> None:
     """End the step: the leg that has landed bears the next one.
@@ -64,7 +65,7 @@ def switch_legs(
         latched: gait inputs of the step; overwritten.
         gains: of the preset.
         landed: row of the leg.
-        support_desired: (3,) desired height of its sole, rate and acceleration.
+        support_desired: (3, 3) desired position, velocity, acceleration (rows) of its sole.
         frames: of this tick.
     """
     leaving = step.stance[0]

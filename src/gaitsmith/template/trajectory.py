@@ -6,29 +6,72 @@ eqs. 1-6 with the knots of eq. 14: 0, αT and T.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.splines.quartic_pair import evaluate_pair
 from gaitsmith.template.step import GaitInputs, StepState
 
 
-@kernel
-def support_height(step: StepState, gait: GaitInputs, height: float, out: Vector) -> None:
-    """Desired z of the support sole (Han 2023, eq. 7).
+class Printed(NamedTuple):
+    """:class:`PrintedParameters` as a kernel reads them: 1 for what is taken as printed."""
 
-    It starts from the desired state at the switch (section 2.2, first rule) and reaches ``-height`` at T, so a change
-    of height is smoothed over one step.
+    support_height: float
+    support_place: float
+    swing_via: float
+    swing_frame: float
+    swing_feedback: float
+    joint_reference: float
+
+
+@kernel
+def support_foot(
+    step: StepState,
+    gait: GaitInputs,
+    printed: Printed,
+    height: float,
+    side: float,
+    scratch: Vector,
+    out: Matrix,
+) -> None:
+    """Desired state of the support sole (Han 2023, eqs. 7-9), from the desired one at the switch (section 2.2).
+
+    z reaches ``-height`` at T, or at αT as printed. x and y are curves only where they are taken as printed.
 
     Args:
         step: the step being taken.
         gait: latched.
+        printed: what is taken as printed.
         height: of the hip midpoint at T, m.
-        out: (3,) position, velocity, acceleration.
+        side: +1 if the support leg is the left one.
+        scratch: (3,).
+        out: (3, 3) position, velocity, acceleration by rows; x and y are kept without ``support_place``.
     """
-    period = gait.period[0]
-    start = step.support_start
-    middle = start[0] - gait.alpha[0] * (height + start[0])
-    joint = gait.alpha[0] * period
-    evaluate_pair(step.place[0], joint, period, start[0], start[1], start[2], middle, -height, 0.0, 0.0, out)
+    period, alpha, start = gait.period[0], gait.alpha[0], step.support_start
+    for axis in range(3):
+        if axis == 2:
+            end = -height
+            middle = end if printed.support_height == 1.0 else start[0, 2] + alpha * (end - start[0, 2])
+        elif printed.support_place == 0.0:
+            continue
+        else:
+            end = -0.5 * period * step.speed[0] if axis == 0 else side * gait.width[0]
+            middle = 0.0 if axis == 0 else end
+        evaluate_pair(
+            step.place[0],
+            alpha * period,
+            period,
+            start[0, axis],
+            start[1, axis],
+            start[2, axis],
+            middle,
+            end,
+            0.0,
+            0.0,
+            scratch,
+        )
+        for order in range(3):
+            out[order, axis] = scratch[order]
 
 
 @kernel
@@ -39,6 +82,8 @@ def swing_foot(
     ground: float,
     summit: float,
     share: float,
+    printed: Printed,
+    side: float,
     descent_speed: float,
     scratch: Vector,
     out: Matrix,
@@ -55,6 +100,8 @@ def swing_foot(
         ground: z of the ground below the foothold, m (negative).
         summit: z of the highest ground on the way there, m; the sole is lifted over it.
         share: of the way ahead and aside, by αT; one half on level ground.
+        printed: what is taken as printed.
+        side: +1 if the swing leg is the left one.
         descent_speed: downward speed past T, m/s.
         scratch: (3,).
         out: (3, 3) position, velocity, acceleration by rows.
@@ -67,6 +114,8 @@ def swing_foot(
         if axis < 2:
             end = foothold[axis]
             middle = start + share * (end - start)
+            if printed.swing_via == 1.0:
+                middle = 0.0 if axis == 0 else side * gait.width[0]
         else:
             end = ground
             middle = max(summit, ground) + gait.lift[0]

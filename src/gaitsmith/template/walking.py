@@ -20,9 +20,9 @@ from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.state import Template
 from gaitsmith.template.step import WALK
 from gaitsmith.template.step_time import adapt_duration
-from gaitsmith.template.trajectory import support_height, swing_foot, swing_pitch, swing_yaw
-from gaitsmith.whole_body.frames import Frames, to_heading
-from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, level_rotation
+from gaitsmith.template.trajectory import support_foot, swing_foot, swing_pitch, swing_yaw
+from gaitsmith.whole_body.frames import Frames, to_heading, to_world
+from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, WORLD, level_rotation
 
 
 @kernel
@@ -57,12 +57,12 @@ def plan_step(g: Template, dt: float) -> None:
     plan_landing(ground, step, forecast, omega, frames.com_velocity, frames.com_offset, step.foothold)
     rise, highest = ground.rise[0], ground.highest[0]
     height = landing_height(latched, g.foothold, step.foothold, side, max(-rise, 0.0))
-    support_height(step, latched, height, curve)
-    for order in range(3):
-        support[order, 2] = curve[order]
+    support_foot(step, latched, g.printed, height, -side, curve, support)
     target, descent = step.foot_desired[swing], g.touchdown.descent_speed
     share = share_of_way(highest, latched.lift[0])
-    swing_foot(step, latched, step.foothold, rise - height, highest - height, share, descent, curve, target)
+    swing_foot(
+        step, latched, step.foothold, rise - height, highest - height, share, g.printed, side, descent, curve, target
+    )
 
 
 @kernel
@@ -89,6 +89,9 @@ def track_leg(g: Template, leg: int, dt: float) -> None:
     step, legs, balance, reference = g.step, g.body.legs, g.balance, g.reference
     torso, position, wanted = g.body.state.body_rotation[legs.torso[0]], balance.position, reference.sole_rotation[leg]
     angle, rate = step.leg_reference[leg], step.leg_rate[leg]
+    if g.printed.joint_reference == 1.0:
+        for i in range(legs.joints.shape[1]):
+            angle[i] = g.body.q[7 + legs.joints[leg, i]]
     _to_torso(torso, g.body.frames, step.foot_desired[leg, 0], position)
     _to_torso(torso, g.body.frames, step.foot_desired[leg, 1], balance.velocity)
     for i in range(3):
@@ -134,6 +137,30 @@ def set_torso(g: Template) -> None:
 
 
 @kernel
+def _refer_sole(g: Template, leg: int) -> None:
+    """A sole's reference: relative to the hips, or with eq. 19 as printed the same place and velocity in the world."""
+    reference, frames, desired = g.reference, g.body.frames, g.step.foot_desired[leg]
+    position, velocity, acceleration = (
+        reference.sole_position[leg],
+        reference.sole_velocity[leg],
+        reference.sole_acceleration[leg],
+    )
+    reference.sole_frame[leg] = HIPS
+    own = 1.0 - g.printed.swing_feedback
+    for axis in range(3):
+        position[axis], velocity[axis] = desired[0, axis], desired[1, axis]
+        acceleration[axis] = own * desired[2, axis]
+    if g.printed.swing_frame == 1.0:
+        reference.sole_frame[leg] = WORLD
+        to_world(frames, position[0], position[1], position)
+        to_world(frames, velocity[0], velocity[1], velocity)
+        to_world(frames, acceleration[0], acceleration[1], acceleration)
+        for axis in range(3):
+            position[axis] += frames.hip_position[axis]
+            velocity[axis] += frames.hip_velocity[axis]
+
+
+@kernel
 def refer_walking(g: Template) -> None:
     """Contacts, soles, balance and weights of this tick; joints follow by :func:`track_leg`.
 
@@ -145,13 +172,9 @@ def refer_walking(g: Template) -> None:
     swing = legs.other[stance]
     for leg in range(legs.side.shape[0]):
         reference.contact[leg] = FLAT if leg == stance else NONE
-        reference.sole_frame[leg] = HIPS
         reference.cop_weight[leg] = reference.load_weight[leg] = 0.0
-        desired = step.foot_desired[leg]
+        _refer_sole(g, leg)
         for axis in range(3):
-            reference.sole_position[leg, axis] = desired[0, axis]
-            reference.sole_velocity[leg, axis] = desired[1, axis]
-            reference.sole_acceleration[leg, axis] = desired[2, axis]
             for k in range(3):
                 reference.sole_rotation[leg, axis, k] = frames.sole_rotation[leg, axis, k]
     pitch, yaw = swing_pitch(step, latched, g.ground.pitch[0]), frames.yaw[0] + swing_yaw(step, latched)

@@ -148,6 +148,11 @@ def above(axis: Axes, columns: int) -> None:
     axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, handlelength=1.8, columnspacing=1.2)
 
 
+def in_words(name: str) -> str:
+    """A name of a model's file as it is read: without underscores."""
+    return name.replace("_", " ")
+
+
 def sole_corners(sole: Sole) -> npt.NDArray[np.float64]:
     """(n, 2) corners of a sole in its own frame, m; a line is given a width that can be seen."""
     if sole.half_width > 0.0:

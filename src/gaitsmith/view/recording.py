@@ -138,8 +138,10 @@ def _conditions(notes: dict[str, Any]) -> str:
     ]
     words += [f"{run[name]} {what}" for name, what in (("state", "state"), ("terrain", "ground")) if name in run]
     words += [f"preset {run['preset']}"] if "preset" in run else []
+    uneven = (run.get("joint_frictions") or {}).values()
     for name, unit in (("joint_friction", "N·m of joint friction"), ("torque_delay", "s of torque delay")):
         words += [f"{run[name]:g} {unit}"] if run.get(name) else []
+        words += [f"up to {max(uneven):g} in some"] if name == "joint_friction" and uneven else []
     return ", ".join(words + ([f"seed {run['seed']}"] if "seed" in run else []))
 
 
