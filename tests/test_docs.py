@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from gaitsmith.cli import main
 from gaitsmith.cli.dispatch import COMMANDS
 from gaitsmith.control.defaults import preset_parameters, robot_scale
+from gaitsmith.reproduction.as_printed import changed
 from gaitsmith.robots import load_robot
 from gaitsmith.robots.card import Assumption, JointLimits, LegCard, RobotCard, Sole
 from gaitsmith.robots.parameters import GaitParameters
@@ -103,11 +104,11 @@ def test_every_measured_deviation_is_a_valid_preset_and_in_the_table() -> None:
     scale = robot_scale(robot)
     default = preset_parameters(robot, scale, "default")
     for row in benchmark.deviations(robot):
-        parameters = benchmark.changed(default, row.numbers)
+        parameters = changed(default, row.numbers)
         assert (parameters != default) == bool(row.numbers)
         assert f"| {row.name} |" in page("deviations.md"), row.name
     paper = preset_parameters(robot, scale, "paper")
-    assert benchmark.changed(default, paper.model_dump()) == paper
+    assert changed(default, paper.model_dump()) == paper
 
 
 def test_every_assumption_is_listed() -> None:

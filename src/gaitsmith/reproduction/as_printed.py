@@ -77,11 +77,11 @@ def believing(robot: Robot, half_width: float | None) -> Robot:
     """The same robot, whose controller takes its soles for so wide."""
     if half_width is None:
         return robot
-    legs = []
-    for leg in robot.legs:
-        sole = Sole(kind="rectangle", heel=leg.sole.heel, toe=leg.sole.toe, half_width=half_width)
-        legs.append(replace(leg, sole=sole))
-    return replace(robot, legs=tuple(legs))
+    left, right = (
+        replace(leg, sole=Sole(kind="rectangle", heel=leg.sole.heel, toe=leg.sole.toe, half_width=half_width))
+        for leg in robot.legs
+    )
+    return replace(robot, legs=(left, right))
 
 
 def walk_with(deviation: Deviation, scenario: Scenario, preset: str = PRESET) -> Summary:
@@ -108,8 +108,8 @@ def as_printed(found: Found, tell: Tell) -> None:
     fall = run.summary.fall
     found.say(
         "template5",
-        "the equations as printed (all but four, which follow) and the paper's numbers walk the profile; free gains are "
-        "tuned",
+        "the equations as printed (all but four, which follow) and the paper's numbers walk the profile; free gains "
+        "are tuned",
         f"fell at {fall.time:.1f} s" if fall else f"upright for {run.summary.duration:.0f} s, torso within {tilt:.2f}°",
         fall is None,
         "it fell",
