@@ -35,7 +35,7 @@ def seams(table):
     for one, two in itertools.pairwise(table.sequence[visits]):
         before, _ = sampled(table, one, table.duration[one])
         after, _ = sampled(table, two, 0.0)
-        before = moved(before, table.place[one, table.support[two]] - table.place[one, table.support[one]])
+        before = moved(before, (table.place[one, table.support[two]] - table.place[one, table.support[one]])[:3])
         worst = np.maximum(worst, np.abs(after - before).max(axis=1))
     return worst
 

@@ -19,9 +19,9 @@ def two_steps(passes=2, seed=None):
     else:
         motion[:, 0, 2] = HEIGHT
     support, contact = np.array([0, 0, 1, 1]), np.array([[FLAT, NONE], [FLAT, FLAT], [NONE, FLAT], [FLAT, FLAT]])
-    place = np.zeros((4, 2, 3))
-    place[0, 1], place[1, 1] = (-STEP, -WIDTH, 0.0), (STEP, -WIDTH, 0.0)
-    place[2, 0], place[3, 0] = (-STEP, WIDTH, 0.0), (STEP, WIDTH, 0.0)
+    place = np.zeros((4, 2, 4))
+    place[0, 1], place[1, 1] = (-STEP, -WIDTH, 0.0, 0.0), (STEP, -WIDTH, 0.0, 0.0)
+    place[2, 0], place[3, 0] = (-STEP, WIDTH, 0.0, 0.0), (STEP, WIDTH, 0.0, 0.0)
     first, second = np.eye(2)[[0, 0, 1, 1]], np.eye(2)[[0, 1, 1, 0]]
     if seed is None:
         speed = STEP / (SINGLE + DOUBLE)
@@ -31,7 +31,7 @@ def two_steps(passes=2, seed=None):
             motion[section, 1, 0] = 0.5 * speed * span
             motion[section, 0, 1] = -0.5 * side * WIDTH
             for row in range(2):
-                motion[section, 0, SOLES + PER_SOLE * row : SOLES + PER_SOLE * row + 3] = place[section, row]
+                motion[section, 0, SOLES + PER_SOLE * row : SOLES + PER_SOLE * row + 3] = place[section, row, :3]
             if contact[section].min() == NONE:
                 row = int(np.argmin(contact[section]))
                 motion[section, 0, SOLES + PER_SOLE * row] = 0.0

@@ -89,6 +89,18 @@ def test_on_its_own_footholds_the_reference_is_the_plan(heading):
     np.testing.assert_allclose(world.following.state.foothold, 0.0, atol=1e-12)
 
 
+def test_a_plan_goes_on_along_the_sole_that_bears_next():
+    world, yaw = World(), 0.3
+    place = world.following.plan.place
+    place[1, 1, 3] = yaw
+    place[2, 0] = -np.cos(yaw) * STEP + np.sin(yaw) * WIDTH, np.sin(yaw) * STEP + np.cos(yaw) * WIDTH, 0.0, -yaw
+    world.run(SINGLE + DOUBLE + 0.01)
+    state = world.following.state
+    assert state.heading[0] == pytest.approx(yaw)
+    np.testing.assert_allclose(state.place[1], world.soles[1], atol=1e-12)
+    np.testing.assert_allclose(state.anchor[0], world.soles[1], atol=3e-3)
+
+
 def test_the_reference_moves_with_footholds_that_miss_and_stays_smooth():
     world = World(misses=(0.02, 0.01), passes=6)
     before, largest = None, 0.0

@@ -90,6 +90,6 @@ def test_the_held_joint_stays_and_bears_its_load(gait, lopsided):
 
 def test_a_stride_is_walked_in_whole_strides(gait, lopsided):
     plan = walkable([gait], lopsided, 6)
-    assert abs(plan.travel[0] - 6 * 0.2) < 1e-6
+    assert abs(plan.way(plan.duration).x - 6 * 0.2) < 1e-6
     with pytest.raises(BadInput, match="even number"):
         walkable([gait], lopsided, 3)

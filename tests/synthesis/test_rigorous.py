@@ -52,7 +52,7 @@ def test_enclosures_hold_every_instant(dynamic, robot, engine, index):
     ours = phase_bounds(inside.measured, biped, gait.bounds, gait.motion, index)
     share = 0.37
     times = inside.middles + 0.5 * share * inside.spans
-    found, _ = measure(gait, biped, StateFinder(robot), index, times, Errors())
+    found = measure(gait, biped, StateFinder(robot), index, times, Errors())
     theirs = phase_bounds(found, biped, gait.bounds, gait.motion, index)
     powers = share ** np.arange(len(inside.residual.c))
     for one, two in zip(ours, theirs, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from typing import Annotated, Any, Literal
 
@@ -18,14 +19,17 @@ from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOS
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
 _BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields
 _WALKS = ("cyclic", "start", "stop", "walk")
-_NAMED = (*_WALKS, "kick", "stairs")
-_STEPS = (3, 60)  # of stairs
+_NAMED = (*_WALKS, "kick", "stairs", "turn")
+_STEPS = (3, 60)  # of stairs or a turn
+_ANGLES = (1.0, 40.0)  # degrees a step
 _APPLIES: dict[str, tuple[str, ...]] = {
     "speed": (*_WALKS, "kick"),
     **dict.fromkeys(("order", "zmp_margin", "friction", "max_iterations"), _NAMED),
-    "step_length": _WALKS,
-    **dict.fromkeys(("period", "step_height", "double_support"), (*_WALKS, "stairs")),
-    **dict.fromkeys(("rise", "tread", "steps"), ("stairs",)),
+    "step_length": (*_WALKS, "turn"),
+    **dict.fromkeys(("period", "step_height", "double_support"), (*_WALKS, "stairs", "turn")),
+    **dict.fromkeys(("rise", "tread"), ("stairs",)),
+    "steps": ("stairs", "turn"),
+    "angle": ("turn",),
     "cycles": ("walk",),
     "free_times": _WALKS,
     "jobs": (SWEEP,),
@@ -45,7 +49,7 @@ def _usual(value: float, flag: str) -> str:
 
 
 class PlanArguments(Arguments):
-    """Plan a motion: cyclic, start, stop, walk, kick, stairs, sweep, or a motion file (TOML).
+    """Plan a motion: cyclic, start, stop, walk, kick, stairs, turn, sweep, or a motion file (TOML).
 
     Of speed, step length and period any two decide the third; one alone follows the paper's two gaits. Lengths and
     times that are defaults hold for hips 0.39 m high; a robot of another size gets them in proportion. Where a speed
@@ -55,7 +59,7 @@ class PlanArguments(Arguments):
     motion: Annotated[
         str | None,
         Positional(
-            "cyclic, start, stop, walk, kick, stairs, sweep, or the path of a motion file",
+            "cyclic, start, stop, walk, kick, stairs, turn, sweep, or the path of a motion file",
             metavar="MOTION",
             absent="cyclic",
         ),
@@ -70,7 +74,8 @@ class PlanArguments(Arguments):
         ),
     ] = None
     step_length: Annotated[
-        float | None, About("From one foothold to the next", "m", "M", absent=_usual(_LENGTH, "--step-length"))
+        float | None,
+        About("From one foothold to the next", "m", "M", absent=_usual(_LENGTH, "--step-length") + "; 0 of a turn"),
     ] = None
     period: Annotated[float | None, About("Of one step", "s", "S", absent=_usual(_PERIOD, "--period"))] = None
     step_height: Annotated[
@@ -111,7 +116,13 @@ class PlanArguments(Arguments):
         float | None, Field(gt=0.0, le=2.0), About("Of stairs: from one edge to the next", "m", "M", "0.2")
     ] = None
     steps: Annotated[
-        int | None, Field(ge=_STEPS[0], le=_STEPS[1]), About("Of stairs: how many", metavar="N", absent="5")
+        int | None,
+        Field(ge=_STEPS[0], le=_STEPS[1]),
+        About("Of stairs: how many; of a turn: how many that turn, an odd number", metavar="N", absent="5"),
+    ] = None
+    angle: Annotated[
+        float | None,
+        About("Of a turn: heading of every step against the one before, to the left", "degrees", "DEG", "15"),
     ] = None
     order: Annotated[
         Literal[4, 5] | None,
@@ -189,6 +200,8 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG, usual: f
         return Request("kick", kick=KickParameters(**given), settings=settings)
     if task == "stairs":
         return _stairs(arguments, settings, leg)
+    if task == "turn":
+        return _turn(arguments, settings, leg)
     length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg, usual)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
     step = StepParameters.sized(leg, length, period, **shape)
@@ -211,6 +224,24 @@ def _stairs(arguments: PlanArguments, settings: Settings, leg: float) -> Request
         **({"height": 0.03 * size, "rise": rise, "base": max(0.0, -rise * steps)} | shape),
     )
     return Request("stairs", step=step, settings=settings, cycles=steps - 3)
+
+
+def _turn(arguments: PlanArguments, settings: Settings, leg: float) -> Request:
+    """A turn from rest to rest; times that are not given in the robot's size."""
+    angle = 15.0 if arguments.angle is None else arguments.angle
+    steps = 5 if arguments.steps is None else arguments.steps
+    length = 0.0 if arguments.step_length is None else arguments.step_length
+    low, high = RANGES["--step-length"]
+    if length and not low <= length <= high:
+        raise BadInput("--step-length", length, f"0, or {low:g} to {high:g}")
+    if not _ANGLES[0] <= abs(angle) <= _ANGLES[1]:
+        raise BadInput("--angle", angle, f"{_ANGLES[0]:g} to {_ANGLES[1]:g} degrees to the left, or negative")
+    if steps % 2 == 0:
+        raise BadInput("--steps", steps, "an odd number: the inner foot makes the first step and the last one")
+    period = leg**0.5 / LEG**0.5 if arguments.period is None else arguments.period
+    shape = _given(height=arguments.step_height, double_support=arguments.double_support)
+    step = StepParameters.sized(leg, length, period, turn=math.radians(angle), **shape)
+    return Request("turn", step=step, settings=settings, cycles=steps - 3)
 
 
 def _given(**values: Any) -> dict[str, Any]:

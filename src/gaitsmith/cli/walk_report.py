@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.summary import Tracking
 
 _SHOWN_FAULTS = 12
+_TURN = 5.0  # degrees; a smaller one is a wobble
 
 
 def report(summary: Summary, robot: Robot, folder: Path | None, ours: bool = True) -> Iterator[Text]:
@@ -85,6 +86,8 @@ def tracking_lines(tracking: Tracking) -> list[str]:
         f"plan: {tracking.distance:.3f} of {tracking.planned_distance:.3f} m; torso off by at most "
         f"{tilt['roll']:.2f}° roll, {tilt['pitch']:.2f}° pitch; real ZMP {tracking.zmp_rms_mm:.1f} mm off (rms)"
     ]
+    if abs(tracking.planned_turn_deg) > _TURN:
+        lines.append(f"turn: {tracking.turn_deg:.1f} of {tracking.planned_turn_deg:.1f}°")
     if pitch is not None:
         lines.append(
             f"foot pitch: heel strike {pitch.strike:.1f} of {pitch.planned_strike:.1f}°, "

@@ -150,7 +150,7 @@ class Family:
         stretch += [int(number) for number in numbers[table.loop_end :]]
         columns = {name: np.ascontiguousarray(getattr(table, name)[rows]) for name in PlanTable._fields[4:]}
         made = PlanTable(np.arange(len(rows)), first, end, ENDLESS, **columns)
-        plan = replace(whole, name="library", table=made, duration=np.inf, travel=(np.inf, 0.0))
+        plan = replace(whole, name="library", table=made, duration=np.inf)
         return plan, np.array(stretch)
 
     def certified(self, point: Index) -> bool:

@@ -33,7 +33,7 @@ def follow(
     out: Reference,
     dt: float,
 ) -> int:
-    """Advance the plan by one tick and fill the reference; its x axis is where the first support sole points to.
+    """Advance the plan by one tick and fill the reference; it begins with x where the first support sole points to.
 
     Args:
         g: the plan.
@@ -57,7 +57,9 @@ def follow(
     support = plan.support[section]
     if state.support[0] < 0:
         state.heading[0] = math.atan2(sole_rotation[support, 1, 0], sole_rotation[support, 0, 0])
-    elif law.turns == 0:
+    elif state.support[0] != support:
+        state.heading[0] += plan.place[before, support, 3]
+    if law.turns == 0:
         x, y, yaw = sole_rotation[support, 0, 0], sole_rotation[support, 1, 0], state.heading[0]
         state.heading[0] += law.omega * dt * (math.cos(yaw) * y - math.sin(yaw) * x)
     evaluate(plan, section, clock.time[0], g.sample)

@@ -39,13 +39,19 @@ def locate(plan: PlanTable, law: FollowLaw, section: int, state: FollowState, po
         state.place[row, 0] = position[row, 0] - (cos * x - sin * y)
         state.place[row, 1] = position[row, 1] - (sin * x + cos * y)
         state.place[row, 2] = position[row, 2] + arm * rotation[row, 2, 0] + across * rotation[row, 2, 1] - z
-        state.place[row, 0] += arm * (rotation[row, 0, 0] - cos) + across * (rotation[row, 0, 1] + sin)
-        state.place[row, 1] += arm * (rotation[row, 1, 0] - sin) + across * (rotation[row, 1, 1] - cos)
+        if kind in (HEEL, TOE):
+            own = state.heading[0] + plan.place[section, row, 3]
+            c, s = math.cos(own), math.sin(own)
+            state.place[row, 0] += arm * (rotation[row, 0, 0] - c) + across * (rotation[row, 0, 1] + s)
+            state.place[row, 1] += arm * (rotation[row, 1, 0] - s) + across * (rotation[row, 1, 1] - c)
 
 
 @kernel
 def move_origin(plan: PlanTable, before: int, section: int, state: FollowState) -> None:
-    """Give C in terms of the present support sole; at the beginning, the weighted place of all soles."""
+    """Give C in terms of the present support sole; at the beginning, the weighted place of all soles.
+
+    The heading is the present support sole's already.
+    """
     support = plan.support[section]
     if state.support[0] < 0:
         for axis in range(3):
@@ -53,7 +59,8 @@ def move_origin(plan: PlanTable, before: int, section: int, state: FollowState) 
             for row in range(plan.contact.shape[1]):
                 state.anchor[0, axis] += plan.weight_from[section, row] * state.place[row, axis]
     elif state.support[0] != support:
-        cos, sin = math.cos(state.heading[0]), math.sin(state.heading[0])
+        heading = state.heading[0] - plan.place[before, support, 3]
+        cos, sin = math.cos(heading), math.sin(heading)
         x, y = plan.place[before, support, 0], plan.place[before, support, 1]
         state.anchor[0, 0] += cos * x - sin * y
         state.anchor[0, 1] += sin * x + cos * y

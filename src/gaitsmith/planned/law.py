@@ -101,7 +101,8 @@ class FollowState(NamedTuple):
     """What the law remembers; "shift" is against the plan, whose place in the world the support sole decides.
 
     Attributes:
-        heading: (1,) of the plan's x axis in the world, rad; it goes with the support soles of legs that cannot turn.
+        heading: (1,) of the support sole in the world, rad: as planned from the first one's on; with legs that cannot
+            turn it goes with the soles as they stand. Plan's axes below.
         support: (1,) row of the last tick's support sole, -1 before the first.
         place: (n, 3) a_i: the plan's origin in the world as each sole on the ground says, m.
         anchor: (3, 3) C: the plan's origin as the CoM follows it, its rate and its acceleration, world, m.

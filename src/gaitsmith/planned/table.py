@@ -1,12 +1,13 @@
 """A plan as a kernel reads it: sections of time with contacts, and the curves of all tracked quantities.
 
-Every quantity is given relative to the section's support sole: its origin on the ground is the origin, the plan's
-world axes are the axes. A section holds for every repetition of its step, so that a walk of any length is as large as
+Every quantity is given relative to the section's support sole: its origin on the ground is the origin, its axes, as it
+lies flat, are the axes. A section holds for every repetition of its step, so that a walk of any length is as large as
 its different steps.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -48,7 +49,7 @@ class PlanTable(NamedTuple):
         stretch_duration: (S,) s.
         weight_from: (S, n) how far each sole's place decides about the plan's, at the beginning of the stretch; sum 1.
         weight_to: (S, n) the same at its end.
-        place: (S, n, 3) where a sole on the ground stands when flat; zero for one in the air.
+        place: (S, n, 4) where a sole on the ground stands when flat, m, and its heading, rad; zero for one in the air.
         motion: (S, TERMS, 6 + 6 n + nj) Chebyshev coefficients: CoM (m), torso angles (rad), soles (m, rad), joints.
         effort: (S, TERMS, nj + 6 n) joint torques (N·m), force and moment on each sole about its origin (N, N·m).
     """
@@ -82,7 +83,6 @@ class Plan:
         start: (nq,) and (nv,) state at the beginning, the first support sole's heading along x.
         at_rest: whether it begins and whether it ends at rest.
         duration: of all visits, s; infinite if endless.
-        travel: (2,) m from the first to the last place of the CoM; infinite forward distance if endless.
         speed: mean forward speed over the loop if there is one, over all else, m/s.
         height: mean height of the CoM above the support sole, m.
         ball: (x, y) of the point that meets the ball and its planned speed (m/s); None without one.
@@ -95,39 +95,72 @@ class Plan:
     start: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
     at_rest: tuple[bool, bool]
     duration: float
-    travel: tuple[float, float]
     speed: float
     height: float
     ball: tuple[float, float, float] | None
     foot_pitch: tuple[float, float]
 
-    def forward(self, time: float) -> float:
-        """Forward travel of the CoM from the beginning to a time, s, on the plan's own clock, m."""
+    def way(self, time: float) -> Way:
+        """The CoM from where it began, and the support sole's heading, at a time, s, on the plan's own clock."""
         table = self.table
         spans = table.duration[table.sequence]
-        visits = list(range(len(spans)))
         once = float(spans[table.loop_first : table.loop_end].sum())
         before = float(spans[: table.loop_first].sum())
         laps = int(max(time - before, 0.0) / once)
         laps = laps if table.passes == ENDLESS else min(laps, table.passes - 1)
         time -= laps * once
-        origin = laps * self._shift(visits[table.loop_first : table.loop_end], wraps=True)
-        visit = 0
-        while visit + 1 < len(visits) and time >= spans[visit]:
+        sole, visit = Way(0.0, 0.0, 0.0), 0
+        while True:
+            if visit == table.loop_first and laps:
+                lap = lap_of(table)
+                for _ in range(laps):
+                    sole = sole.then(lap)
+            if visit + 1 == len(spans) or time < spans[visit]:
+                break
             time -= spans[visit]
-            origin += self._shift([visit, visit + 1], wraps=False)
-            visit += 1
-        return origin + self._com(visit, min(time / spans[visit], 1.0)) - self._com(0, 0.0)
+            sole, visit = sole.then(_between(table, visit, visit + 1)), visit + 1
+        here, began = sole.then(self._com(visit, min(time / spans[visit], 1.0))), self._com(0, 0.0)
+        return Way(here.x - began.x, here.y - began.y, sole.heading)
 
-    def _shift(self, visits: list[int], wraps: bool) -> float:
-        """How far ahead the support sole moves over visits in a row, m; ``wraps`` with the way back to the first."""
-        sections = self.table.sequence[visits + (visits[:1] if wraps else [])]
-        return float(sum(self.table.place[one, self.table.support[two], 0] for one, two in pairwise(sections)))
+    def _com(self, visit: int, share: float) -> Way:
+        """CoM ahead of and left of the support sole at a share of a visit."""
+        series = self.table.motion[self.table.sequence[visit], :, COM : COM + 2]
+        found = np.array(np.polynomial.chebyshev.chebval(2.0 * share - 1.0, series))
+        return Way(float(found[0]), float(found[1]), 0.0)
 
-    def _com(self, visit: int, share: float) -> float:
-        """CoM ahead of the support sole at a share of a visit, m."""
-        series = self.table.motion[self.table.sequence[visit], :, COM]
-        return float(np.polynomial.chebyshev.chebval(2.0 * share - 1.0, series))
+
+class Way(NamedTuple):
+    """A place (m) with a heading (rad), seen from another."""
+
+    x: float
+    y: float
+    heading: float
+
+    def then(self, other: Way) -> Way:
+        """Another one that is seen from this one."""
+        cos, sin = math.cos(self.heading), math.sin(self.heading)
+        x, y = cos * other.x - sin * other.y, sin * other.x + cos * other.y
+        return Way(self.x + x, self.y + y, self.heading + other.heading)
+
+    @property
+    def ahead(self) -> float:
+        """Distance along the mean of both headings, m."""
+        return math.cos(0.5 * self.heading) * self.x + math.sin(0.5 * self.heading) * self.y
+
+
+def _between(table: PlanTable, before: int, visit: int) -> Way:
+    """The support sole of a visit from that of the one before."""
+    one, two = table.sequence[before], table.sequence[visit]
+    x, y, _, heading = table.place[one, table.support[two]].tolist()
+    return Way(x, y, heading)
+
+
+def lap_of(table: PlanTable) -> Way:
+    """The first support sole of the loop after one pass, from where it was."""
+    found, visits = Way(0.0, 0.0, 0.0), [*range(table.loop_first, table.loop_end), table.loop_first]
+    for before, visit in pairwise(visits):
+        found = found.then(_between(table, before, visit))
+    return found
 
 
 def empty_table(n_soles: int, n_joints: int) -> PlanTable:
@@ -149,7 +182,7 @@ def empty_table(n_soles: int, n_joints: int) -> PlanTable:
         stretch_duration=np.ones(1),
         weight_from=weight,
         weight_to=weight.copy(),
-        place=np.zeros((1, n_soles, 3)),
+        place=np.zeros((1, n_soles, 4)),
         motion=np.zeros((1, TERMS, channels)),
         effort=np.zeros((1, TERMS, n_joints + PER_SOLE * n_soles)),
     )

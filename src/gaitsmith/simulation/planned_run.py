@@ -23,6 +23,7 @@ from gaitsmith.whole_body.reference import FLAT, NONE, TOE
 SETTLE = 2.0  # s for which a run goes on after its plan has ended
 _ENDLESS = 10.0  # s of a plan without an end
 _SAMPLE = 10  # ticks between two looks at the ZMP
+_PLACES = 33  # of a plan's way that are looked at
 
 
 def completed(fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -73,9 +74,11 @@ def region_of(plan: Plan | None, scenario: Scenario) -> Region:
     """Ground around the path of a plan, or of what is commanded."""
     if plan is None or scenario.library:
         return scenario.region()
-    far = plan.forward(min(scenario.duration, plan.duration))
+    times = np.linspace(0.0, min(scenario.duration, plan.duration), _PLACES)
+    x, y, _ = np.array([plan.way(float(time)) for time in times]).T
     region = scenario.region()
-    return Region((region.x[0] + min(far, 0.0), region.x[1] + max(far, 0.0)), region.y)
+    (back, front), (right, left) = region
+    return Region((back + x.min(), front + x.max()), (right + y.min(), left + y.max()))
 
 
 class Tracked:
@@ -92,6 +95,7 @@ class Tracked:
         self.plan, self._controller, self._plant, self._tell = plan, controller, plant, tell
         self._begin = math.nan
         self._tilt = np.zeros(2)
+        self._yaw, self._turn = np.full(2, math.nan), np.zeros(2)  # of the real torso and of the plan's
         self._contact = controller.reference.contact.copy()
         self._zmp: list[float] = [0.0, 0.0]
         self._pitch: dict[str, list[float]] = {"strike": [0.0, 0.0], "off": [0.0, 0.0]}
@@ -106,6 +110,10 @@ class Tracked:
             self._begin = float(plant.com[0])
             self._contact[:] = reference.contact
         away = reference.torso_rotation.T @ plant.torso_rotation
+        yaw = np.array([math.atan2(r[1, 0], r[0, 0]) for r in (plant.torso_rotation, reference.torso_rotation)])
+        if not math.isnan(self._yaw[0]):
+            self._turn += np.remainder(yaw - self._yaw + math.pi, 2.0 * math.pi) - math.pi
+        self._yaw = yaw
         self._tilt = np.maximum(self._tilt, np.abs([away[2, 1], away[2, 0]]))
         for row, (before, now) in enumerate(zip(self._contact, reference.contact, strict=True)):
             if before == NONE and now not in (NONE, FLAT):
@@ -142,7 +150,9 @@ class Tracked:
         ball = self._plant.balls[0] if self._plant.balls else None
         return Tracking(
             distance=0.0 if math.isnan(self._begin) else float(self._plant.com[0]) - self._begin,
-            planned_distance=plan.forward(min(time, plan.duration)),
+            planned_distance=plan.way(min(time, plan.duration)).x,
+            turn_deg=math.degrees(self._turn[0]),
+            planned_turn_deg=math.degrees(self._turn[1]),
             tilt_deg=dict(zip(("roll", "pitch"), np.degrees(self._tilt).tolist(), strict=True)),
             zmp_rms_mm=1e3 * math.sqrt(self._zmp[0] / max(self._zmp[1], 1.0)),
             foot_pitch_deg=FootPitch(strike=strike, off=off, planned_strike=planned[0], planned_off=planned[1])

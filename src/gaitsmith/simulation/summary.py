@@ -126,7 +126,8 @@ class Tracking(Frozen):
     """How well a planned gait was followed.
 
     Attributes:
-        distance, planned_distance: forward travel of the CoM, m.
+        distance, planned_distance: travel of the CoM along x, m.
+        turn_deg, planned_turn_deg: of the torso to the left.
         tilt_deg: largest deviation of the torso from the plan.
         zmp_rms_mm: distance of the real ZMP from the planned one in single support.
         foot_pitch_deg: None for a gait without heel and toe phases.
@@ -137,6 +138,8 @@ class Tracking(Frozen):
 
     distance: float
     planned_distance: float
+    turn_deg: float
+    planned_turn_deg: float
     tilt_deg: dict[str, float]
     zmp_rms_mm: float
     foot_pitch_deg: FootPitch | None

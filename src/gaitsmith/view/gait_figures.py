@@ -14,7 +14,7 @@ from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.motion import SIDES, Phase, about_vertical
 from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, save, sole_corners
 from gaitsmith.view.gait_trace import Array, GaitTrace
 from gaitsmith.view.sticks import draw_sticks
@@ -68,11 +68,11 @@ def draw_plane(axes: Axes, trace: GaitTrace) -> None:
     biped = biped_from(trace.robot)
     for phase in phases:
         axes.add_patch(Polygon(hull(contact_points(biped, phase)), facecolor=BAND, edgecolor="none", zorder=0))
-    stood = [(phase.support, phase.foothold) for phase in phases]
-    for side, place in dict.fromkeys([*stood, *((phase.other_foot, phase.other) for phase in phases)]):
+    feet = [(side, phase.place(side), phase.facing(side)) for phase in phases for side in SIDES]
+    for side, place, heading in dict.fromkeys(feet):
         if place is not None:
             leg, colour = (0, LEFT) if side == "left" else (1, RIGHT)
-            corners = place + sole_corners(trace.robot.legs[leg].sole)
+            corners = place + sole_corners(trace.robot.legs[leg].sole) @ about_vertical(heading)[:2, :2].T
             axes.add_patch(Polygon(corners, fill=False, edgecolor=colour))
     for values, colour, name in ((trace.samples.com[:, :2], THIRD, "CoG"), (trace.samples.zmp, COMMAND, "ZMP")):
         axes.plot(*values.T, color=colour, lw=1.2, label=name)

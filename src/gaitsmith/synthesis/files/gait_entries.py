@@ -14,7 +14,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, Piece
 from gaitsmith.synthesis.motions.contacts import check_contacts
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, Same, State
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, Same, State, Unloaded
 from gaitsmith.synthesis.motions.settings import Bounds
 
 Array = npt.NDArray[np.float64]
@@ -35,6 +35,7 @@ Number = Annotated[float, Field(ge=-1e6, le=1e6)]
 Amount = Annotated[float, Field(ge=-1e3, le=1e3)]  # m, m/s or the sine of an angle
 Place = tuple[Amount, Amount]
 Height = Annotated[float, Field(ge=-10.0, le=10.0)]  # m
+Heading = Annotated[float, Field(ge=-1e3, le=1e3)]  # rad
 _Border = Annotated[int, Field(ge=0)]
 _Joints = Annotated[tuple[Number, ...], Field(max_length=200)]
 _Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE)]
@@ -84,6 +85,8 @@ class _PhaseEntry(Parameters):
     other_foothold: Place | None
     height: Height = 0.0
     other_height: Height = 0.0
+    heading: Heading = 0.0
+    other_heading: Heading = 0.0
     limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=len(QUANTITIES))]
     sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
 
@@ -109,7 +112,12 @@ class _Same(Parameters):
     other: _Border
 
 
-_CONDITIONS: dict[str, type[Parameters]] = {"value": _Value, "state": _State, "same": _Same}
+class _Unloaded(Parameters):
+    kind: Literal["unloaded"]
+    border: _Border
+
+
+_CONDITIONS: dict[str, type[Parameters]] = {"value": _Value, "state": _State, "same": _Same, "unloaded": _Unloaded}
 
 
 class GaitEntries(Parameters):
@@ -149,8 +157,8 @@ def gait_from(document: dict[str, Any]) -> Gait:
         groups.append(_pieces(item, f"phases[{index}].sections", clock, len(joints)))
         limits = tuple(limit.limit(limit.quantity) for limit in item.limits)
         where = (item.support, item.contact, item.foothold, item.other_foothold)
-        heights = item.height, item.other_height
-        phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits, *heights))
+        more = item.height, item.other_height, item.heading, item.other_heading
+        phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits, *more))
         clock += item.duration
     if clock > LONGEST:
         raise BadInput("phases", f"{clock:.6g} s", f"at most {LONGEST:g} s in all")
@@ -185,6 +193,8 @@ def _condition(entry: dict[str, Any], field: str, borders: int, joints: int) -> 
         return At(item.border, item.quantity, item.value)
     if isinstance(item, _Same):
         return Same(item.border, item.other)
+    if isinstance(item, _Unloaded):
+        return Unloaded(item.border)
     assert isinstance(item, _State)
     found: dict[str, Array | None] = {}
     for name in ("position", "velocity", "acceleration"):

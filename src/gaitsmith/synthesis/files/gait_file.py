@@ -17,7 +17,7 @@ from gaitsmith.files import read_bounded, write_text_atomic
 from gaitsmith.robots import Robot, load_robot, robot_names
 from gaitsmith.synthesis.files.gait_entries import gait_from
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.motions.motion import At, Condition, State
+from gaitsmith.synthesis.motions.motion import At, Condition, Same, State
 
 FORMAT = "gaitsmith-gait"
 VERSION = 2
@@ -35,8 +35,7 @@ def gait_document(gait: Gait) -> dict[str, Any]:
         {
             **{name: getattr(phase, name) for name in ("name", "duration", "support", "contact", "foothold")},
             "other_foothold": phase.other,
-            "height": phase.height,
-            "other_height": phase.other_height,
+            **{name: getattr(phase, name) for name in ("height", "other_height", "heading", "other_heading")},
             "limits": [
                 {"quantity": item.quantity, "low": _finite_or_none(item.low), "high": _finite_or_none(item.high)}
                 for item in phase.limits
@@ -79,7 +78,7 @@ def condition_entry(item: Condition) -> dict[str, Any]:
         return {"kind": "state", "border": item.border} | {
             name: None if value is None else np.asarray(value).tolist() for name, value in given.items()
         }
-    return {"kind": "same", **vars(item)}
+    return {"kind": "same" if isinstance(item, Same) else "unloaded", **vars(item)}
 
 
 def claims_hash(gait: Gait) -> str:

@@ -12,10 +12,10 @@ from pydantic import Field
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.files.gait_entries import Amount, Height, Place, QuantityName, Range
+from gaitsmith.synthesis.files.gait_entries import Amount, Heading, Height, Place, QuantityName, Range
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
-from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State
+from gaitsmith.synthesis.motions.motion import At, Condition, Motion, Phase, Same, State, Unloaded
 from gaitsmith.synthesis.motions.settings import Settings
 
 PHASES, SECTIONS = 60, 120  # of a motion
@@ -40,6 +40,8 @@ class _PhaseText(Parameters):
     other_at: Place | None = None
     support_height: Height = 0.0
     other_height: Height = 0.0
+    heading: Heading = 0.0
+    other_heading: Heading = 0.0
     sections: Annotated[int, Field(ge=1, le=20)] = 1
     limits: dict[QuantityName, _Range] = Field(default_factory=dict)
 
@@ -51,6 +53,7 @@ class _ConditionText(Parameters):
     rest: bool = False
     standing: bool = False
     same_as: str | None = None
+    unloaded: bool = False
     values: dict[QuantityName, Amount] = Field(default_factory=dict)
 
 
@@ -103,7 +106,7 @@ def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
     rest = None
     if any(item.standing for item in text.conditions):
         rest = _standing(biped, text.standing_height)
-    conditions: list[At | State | Same] = []
+    conditions: list[Condition] = []
     for index, item in enumerate(text.conditions):
         conditions += _conditions(item, f"conditions[{index}]", names, rest, biped.joints)
     return Motion(text.name, phases, tuple(conditions), text.cyclic)
@@ -119,28 +122,31 @@ def _standing(biped: Biped, height: float | None) -> Array:
 def _phase(item: _PhaseText) -> Phase:
     limits = tuple(value.limit(name) for name, value in item.limits.items())
     where = (item.support, item.contact, item.support_at, item.other_at)
-    heights = item.support_height, item.other_height
-    return Phase(item.name, item.duration, *where, item.sections, limits, *heights)
+    more = item.support_height, item.other_height, item.heading, item.other_heading
+    return Phase(item.name, item.duration, *where, item.sections, limits, *more)
 
 
 def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:
     """Soles lie side by side, the left one on the left, and no nearer than the bounds allow."""
+    if biped.lines and any(phase.heading or phase.other_heading for phase in phases):
+        raise BadInput("heading", "a sole that is turned", "0 for soles that are lines", "their turns are not planned")
     least = biped.sole("left").half_width + biped.sole("right").half_width + gap
     for index, phase in enumerate(phases):
-        if phase.other is not None:
-            apart = phase.side * (phase.other[1] - phase.foothold[1])
+        other = phase.straight.other
+        if other is not None:
+            sole, sine = biped.sole(phase.other_foot), float(np.sin(phase.bend))
+            inward = max(-sole.toe * sine, sole.heel * sine)
+            apart = phase.side * (other[1] - phase.foothold[1]) - inward
             if apart < least - 1e-9:
                 valid = f"at least {least:.4g} m: the soles' width and bounds.foot_gap"
                 remedy = "y points to the left; the left sole lies left of the right one"
                 raise BadInput(f"phases[{index}].other_at", f"left sole {apart:.4g} m left of the right", valid, remedy)
 
 
-def _conditions(
-    item: _ConditionText, field: str, names: list[str], rest: Array | None, joints: int
-) -> list[At | State | Same]:
+def _conditions(item: _ConditionText, field: str, names: list[str], rest: Array | None, joints: int) -> list[Condition]:
     """What one entry asks for."""
     border = _border(item.after, names, f"{field}.after")
-    found: list[At | State | Same] = [At(border, quantity, value) for quantity, value in item.values.items()]
+    found: list[Condition] = [At(border, quantity, value) for quantity, value in item.values.items()]
     if item.rest or item.standing:
         found.append(State(border, rest if item.standing else None, np.zeros(joints)))
     if item.same_as is not None:
@@ -148,8 +154,10 @@ def _conditions(
         if other == border:
             raise BadInput(f"{field}.same_as", item.same_as, "another instant than the condition's own")
         found.append(Same(border, other))
+    if item.unloaded:
+        found.append(Unloaded(border))
     if not found:
-        raise BadInput(field, "nothing to hold", "standing, rest, same_as or values")
+        raise BadInput(field, "nothing to hold", "standing, rest, same_as, unloaded or values")
     return found
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.robots import Robot
+from gaitsmith.synthesis.motions.motion import about_vertical
 
 Array = npt.NDArray[np.float64]
 
@@ -43,15 +44,23 @@ class StateFinder:
         self._rate = np.zeros((6, robot.model.nv))
 
     def find(
-        self, support: str, foothold: tuple[float, ...], q: Array, v: Array, a: Array, lean: Array | None = None
+        self,
+        support: str,
+        foothold: tuple[float, ...],
+        q: Array,
+        v: Array,
+        a: Array,
+        lean: Array | None = None,
+        heading: float = 0.0,
     ) -> FullState:
-        """Full state with the support sole at ``foothold``, flat, its axes along the world's, standing still.
+        """Full state with the support sole at ``foothold``, flat, standing still.
 
         Args:
             support: left or right.
             foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n,) joint angles, velocities and accelerations.
             lean: (3,) of a line sole, its roll about its line, rad, and two derivatives; none if None.
+            heading: of the sole in the world, rad; its axes are the world's at 0.
         """
         roll, rate, pull = (0.0, 0.0, 0.0) if lean is None else lean
         model, data, site = self.model, self.data, self._sites[support]
@@ -62,6 +71,8 @@ class StateFinder:
         if roll:
             c, s = np.cos(roll), np.sin(roll)
             turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]) @ turn
+        if heading:
+            turn = about_vertical(heading) @ turn
         data.qpos[:3] = np.array([*foothold, 0.0][:3]) - turn @ data.site_xpos[site]
         mujoco.mju_mat2Quat(data.qpos[3:7], turn.ravel())
         data.qvel[:6] = 0.0

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.splines.polynomial import polynomial as polynomial
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State, turned
 
 Array = npt.NDArray[np.float64]
 _BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded
@@ -30,8 +30,8 @@ class Piece:
         duration: s.
         joints: (n, degree + 1) coefficients of 1, s, s² ... of eq. (17), s from 0 to 1 over the section, rad.
         torque: (n, m) Chebyshev coefficients over the section, N·m.
-        wrench: (12, m) Chebyshev coefficients of left force and moment, right force and moment; world axes, about the
-            sole frame's origin, N and N·m.
+        wrench: (12, m) Chebyshev coefficients of left force and moment, right force and moment; axes of the support
+            sole (the world's where nothing turns), about the sole frame's origin, N and N·m.
         lean: (1, k) coefficients of 1, s, s² ... of the support sole's roll about its line, rad; (0, k) of soles with
             an area, which stand flat.
     """
@@ -156,7 +156,7 @@ def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int
 
 
 def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64], sign: Array) -> Gait:
-    """``gait`` moved in time and place so that it goes on where ``before`` ends, mirrored if asked."""
+    """``gait`` moved in time and place, and turned, so that it goes on where ``before`` ends, mirrored if asked."""
     last = before.motion.phases[-1]
     first = gait.motion.phases[0]
     flip = -1.0 if mirror else 1.0
@@ -164,22 +164,31 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
     held = last.place(side)
     if held is None:
         raise ValueError(f"{before.motion.name} ends with the {side} foot in the air")
-    dx, dy = held[0] - first.foothold[0], held[1] - flip * first.foothold[1]
+    turn = last.facing(side) - flip * first.heading
     dz = (last.height if side == last.support else last.other_height) - first.height
     final = before.pieces[-1][-1]
     dt = final.start + final.duration - gait.pieces[0][0].start
-    phases = tuple(
-        replace(
+
+    def placed(place: tuple[float, float]) -> tuple[float, float]:
+        x, y = turned((place[0] - first.foothold[0], flip * (place[1] - first.foothold[1])), turn)
+        return (held[0] + x, held[1] + y)
+
+    phases, away = [], []
+    for phase in gait.motion.phases:
+        stand = placed(phase.foothold)
+        away.append((stand[0] - phase.foothold[0], stand[1] - flip * phase.foothold[1], dz))
+        moved_phase = replace(
             phase,
             support=phase.other_foot if mirror else phase.support,
-            foothold=(phase.foothold[0] + dx, flip * phase.foothold[1] + dy),
-            other=None if phase.other is None else (phase.other[0] + dx, flip * phase.other[1] + dy),
-            limits=tuple(_moved_limit(limit, (dx, dy, dz), flip) for limit in phase.limits),
+            foothold=stand,
+            other=None if phase.other is None else placed(phase.other),
+            limits=tuple(_moved_limit(limit, away[-1], flip) for limit in phase.limits),
             height=phase.height + dz,
             other_height=phase.other_height + dz,
+            heading=flip * phase.heading + turn,
+            other_heading=flip * phase.other_heading + turn,
         )
-        for phase in gait.motion.phases
-    )
+        phases.append(moved_phase)
     swap = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     pieces = []
     for group in gait.pieces:
@@ -191,8 +200,11 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench, lean))
         pieces.append(tuple(moved))
-    conditions = tuple(_moved(item, (dx, dy, dz), flip, partner, sign) for item in gait.motion.conditions)
-    return replace(gait, motion=replace(gait.motion, phases=phases, conditions=conditions), pieces=tuple(pieces))
+    conditions = tuple(
+        _moved(item, away[max(item.border - 1, 0)], flip, partner, sign) for item in gait.motion.conditions
+    )
+    motion = replace(gait.motion, phases=tuple(phases), conditions=conditions)
+    return replace(gait, motion=motion, pieces=tuple(pieces))
 
 
 def _moved(

@@ -6,17 +6,22 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import Phase, Side
+from gaitsmith.synthesis.motions.motion import Phase, Side, about_vertical
 
 Array = npt.NDArray[np.float64]
 
 
 def contact_points(biped: Biped, phase: Phase) -> Array:
     """(N, 2) corners of both soles that touch the ground in a phase, world, m."""
-    found = [biped.corners("flat", phase.support) + phase.foothold]
+    found = [_placed(biped.corners("flat", phase.support), phase.foothold, phase.heading)]
     if phase.other is not None:
-        found.append(biped.corners(phase.contact, phase.other_foot) + phase.other)
+        found.append(_placed(biped.corners(phase.contact, phase.other_foot), phase.other, phase.other_heading))
     return np.concatenate(found)
+
+
+def _placed(corners: Array, place: tuple[float, float], heading: float) -> Array:
+    """Points (N, 2) of a sole in the world."""
+    return corners @ about_vertical(heading)[:2, :2].T + place
 
 
 def hull(points: Array) -> Array:
@@ -39,17 +44,19 @@ def hull(points: Array) -> Array:
 
 def zmp(phase: Phase, wrench: Array) -> Array:
     """(2, N) zero moment point of both contact wrenches (12, N) on the ground, world, m; eq. (12)."""
+    level = phase.straight
     force, mx, my = np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1])
     feet: tuple[tuple[int, Side], ...] = ((0, "left"), (6, "right"))
     for first, side in feet:
-        place = phase.place(side)
+        place = level.place(side)
         if place is None:
             continue
         fz = wrench[first + 2]
         force += fz
         mx += wrench[first + 3] + place[1] * fz
         my += wrench[first + 4] - place[0] * fz
-    return np.array([-my / force, mx / force])
+    point, origin = np.array([-my / force, mx / force]), np.array(phase.foothold)[:, None]
+    return np.asarray(origin + about_vertical(phase.heading)[:2, :2] @ (point - origin)) if phase.heading else point
 
 
 def inside(corners: Array, points: Array) -> Array:

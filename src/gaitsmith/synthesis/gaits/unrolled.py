@@ -13,7 +13,7 @@ from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, follow, unrolled
 from gaitsmith.synthesis.gaits.support import zmp
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.motion import Phase, about_vertical
 
 Array = npt.NDArray[np.float64]
 LONGEST = 3600.0  # s, of all steps together
@@ -69,18 +69,21 @@ class UnrolledGait:
             raise BadInput("--steps", steps, valid)
         self._finder = StateFinder(robot)
         self._pair = unrolled(gait, biped.partner, biped.sign, min(self.steps, 2))
-        self._travel = np.zeros(2)
+        self._first = np.array(gait.motion.phases[0].foothold)
+        self._starts, self._turn = self._first[None], 0.0  # of every pair of steps: where its first sole stands
         if self.steps > 2:
             second = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
-            third = follow(second, gait, False, biped.partner, biped.sign)
-            starts = (third.motion.phases[0].foothold, gait.motion.phases[0].foothold)
-            self._travel = np.subtract(*starts)
+            third = follow(second, gait, False, biped.partner, biped.sign).motion.phases[0]
+            self._turn = third.heading - gait.motion.phases[0].heading
+            way = third.foothold - self._first
+            ways = [about_vertical(k * self._turn)[:2, :2] @ way for k in range((self.steps - 1) // 2)]
+            self._starts = np.cumsum([self._first, *ways], axis=0)
 
     def at(self, times: Array) -> Samples:
         """The gait at times (N,) from 0 to its duration, s."""
         pair, joints = self._pair, len(self._pair.joint_names)
-        turns = np.clip(np.floor(times / pair.duration), 0, (self.steps - 1) // 2)
-        within, away = times - turns * pair.duration, turns[:, None] * self._travel
+        turns = np.clip(np.floor(times / pair.duration), 0, (self.steps - 1) // 2).astype(np.int64)
+        within = times - turns * pair.duration
         borders = pair.motion.borders
         index = np.clip(np.searchsorted(borders, within, side="right") - 1, 0, len(borders) - 2)
         model, count = self._finder.model, len(times)
@@ -92,13 +95,18 @@ class UnrolledGait:
             phase, mask = pair.motion.phases[number], np.flatnonzero(index == number)
             q, v, a = (values.T for values in pair.joints(number, within[mask]))
             lean = pair.leans(number, within[mask]).T
-            for k, row in enumerate(mask.tolist()):
-                x, y = phase.foothold + away[row]
-                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k], lean[k])
-                found.position[row], found.velocity[row] = state.position, state.velocity
-                found.acceleration[row], found.com[row] = state.acceleration, self._finder.centre_of_mass()
-            found.torque[mask] = pair.torques(number, within[mask]).T
             wrenches = pair.wrenches(number, within[mask])
             with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
-                found.wrench[mask], found.zmp[mask] = wrenches.T, zmp(phase, wrenches).T + away[mask]
+                found.zmp[mask] = zmp(phase, wrenches).T
+            for k, row in enumerate(mask.tolist()):
+                heading = turns[row] * self._turn
+                away, start = about_vertical(heading)[:2, :2], self._starts[turns[row]]
+                x, y = start + away @ (phase.foothold - self._first)
+                found.zmp[row] = start + away @ (found.zmp[row] - self._first)
+                heading += phase.heading
+                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k], lean[k], heading)
+                found.position[row], found.velocity[row] = state.position, state.velocity
+                found.acceleration[row], found.com[row] = state.acceleration, self._finder.centre_of_mass()
+                found.wrench[row] = (wrenches[:, k].reshape(4, 3) @ about_vertical(heading).T).ravel()
+            found.torque[mask] = pair.torques(number, within[mask]).T
         return found

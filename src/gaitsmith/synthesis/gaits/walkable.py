@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,12 +11,12 @@ import numpy.typing as npt
 from gaitsmith.errors import BadInput
 from gaitsmith.planned import ContactPhase, Plan, PlanTable, Schedule
 from gaitsmith.planned.schedule import BY_CLOCK, BY_CONTACT
-from gaitsmith.planned.table import ENDLESS, PER_SOLE, SOLES, TERMS
+from gaitsmith.planned.table import ENDLESS, PER_SOLE, SOLES, TERMS, lap_of
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow, lean_of, polynomial
 from gaitsmith.synthesis.gaits.plan_sections import Sections
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.motion import Phase, about_vertical
 from gaitsmith.whole_body.reference import FLAT, HEEL, NONE, TOE
 
 Array = npt.NDArray[np.float64]
@@ -143,18 +144,20 @@ def _frames(
     """Of every phase, the soles' weights at both ends of its stretch, and their places relative to the support sole."""
     soles = len(robot.legs)
     alone = [None if all(contact.bearing) else contact.support for contact in contacts]
-    world = np.zeros((soles, 3))
+    world = np.zeros((soles, 4))
     found = []
     for index, ((phase, _), contact) in enumerate(zip(row, contacts, strict=True)):
         again = alone[loop[0] :] if loop is not None and index < loop[1] else []
         before = next((support for support in alone[index::-1] if support is not None), None)
         after = next((support for support in alone[index:] + again if support is not None), None)
         weights = [np.full(soles, 1.0 / soles) if k is None else np.eye(soles)[k] for k in (before, after)]
-        world[contact.support] = phase.stand
+        world[contact.support] = (*phase.stand, phase.heading)
         if phase.other is not None:
-            world[1 - contact.support] = (*phase.other, phase.other_height)
+            world[1 - contact.support] = (*phase.other, phase.other_height, phase.other_heading)
         standing = np.array(contact.bearing)[:, None]
-        found.append((*weights, np.where(standing, world - world[contact.support], 0.0)))
+        place = world - world[contact.support]
+        place[:, :3] = place[:, :3] @ about_vertical(phase.heading)
+        found.append((*weights, np.where(standing, place, 0.0)))
     return found
 
 
@@ -162,39 +165,29 @@ def _described(
     gaits: Sequence[Gait], row: _Row, loop: tuple[int, int, int] | None, sections: Sections, table: PlanTable
 ) -> Plan:
     """The table with what a run asks about the plan."""
-    (first, first_pieces), (last, last_pieces) = row[0], row[-1]
+    (first, first_pieces), (_, last_pieces) = row[0], row[-1]
     q, v, a = polynomial(first_pieces[0].joints, np.zeros(1), first_pieces[0].duration)[:, :, 0]
     began = sections.finder.find(first.support, first.stand, q, v, a, lean_of(first_pieces[0], np.zeros(1))[:, 0])
-    com = sections.finder.centre_of_mass()
-    q, final, a = polynomial(last_pieces[-1].joints, np.ones(1), last_pieces[-1].duration)[:, :, 0]
-    sections.finder.find(last.support, last.stand, q, final, a, lean_of(last_pieces[-1], np.ones(1))[:, 0])
-    travel = sections.finder.centre_of_mass() - com
+    final = polynomial(last_pieces[-1].joints, np.ones(1), last_pieces[-1].duration)[1, :, 0]
     times = table.duration[table.sequence]
-    duration = float(times.sum())
-    speed, more = float(travel[0]) / duration, 0.0
+    duration, once = float(times.sum()), float(times[table.loop_first : table.loop_end].sum())
     if loop is not None:
-        begin, end = row[loop[0]][0], row[loop[1] - 1][0]
-        held = end.foothold if end.support == begin.support else end.other
-        assert held is not None
-        once = float(times[table.loop_first : table.loop_end].sum())
-        more = np.inf if table.passes == ENDLESS else table.passes - 1.0
-        stride = held[0] - begin.foothold[0]
-        speed = stride / once
-        travel[0], duration = travel[0] + more * stride, duration + more * once
+        duration += (np.inf if table.passes == ENDLESS else table.passes - 1.0) * once
     strike, off = _foot_pitch(table)
-    return Plan(
+    plan = Plan(
         name="+".join(gait.motion.name for gait in gaits),
         table=table,
         phases=tuple(sections.names),
         start=(began.position, began.velocity),
         at_rest=(bool(np.abs(v).max() < _RESTING), bool(np.abs(final).max() < _RESTING)),
         duration=duration,
-        travel=(float(travel[0]), float(travel[1])),
-        speed=speed,
+        speed=0.0,
         height=float(np.average(table.motion[table.sequence, 0, 2], weights=times)),
         ball=_ball(gaits),
         foot_pitch=(strike, off),
     )
+    speed = plan.way(duration).ahead / duration if loop is None else lap_of(table).ahead / once
+    return replace(plan, speed=speed)
 
 
 def _foot_pitch(table: PlanTable) -> tuple[float, float]:

@@ -34,6 +34,7 @@ class StepParameters:
         shift: duration of the weight shift before the first and after the last step, s.
         rise: of stairs, by which every step is higher, m; negative where they lead down.
         base: height of the ground on which a walk on stairs begins, m.
+        turn: heading of a foothold against the one before, rad.
     """
 
     length: float
@@ -48,6 +49,7 @@ class StepParameters:
     shift: float = 0.6
     rise: float = 0.0
     base: float = 0.0
+    turn: float = 0.0
 
     @property
     def transfer(self) -> float:

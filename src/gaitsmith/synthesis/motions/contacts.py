@@ -7,7 +7,8 @@ from itertools import pairwise
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.motion import Phase
 
-_SAME = 1e-6  # m: footholds that count as one
+_SAME = 1e-6  # m, rad: footholds that count as one
+_TWIST = 1.0  # rad: largest heading of one sole against the other
 _Place = tuple[float, float]
 
 
@@ -26,6 +27,9 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
         if (phase.contact == "air") != (phase.other is None):
             valid = "no place in the air" if phase.contact == "air" else "two numbers, where the other sole stands"
             raise BadInput(f"phases[{index}].{keys[1]}", phase.other, valid)
+        if not abs(phase.bend) <= _TWIST:
+            valid = f"at most {_TWIST:g} rad from the support sole's heading, {phase.heading:g}"
+            raise BadInput(f"phases[{index}].other_heading", phase.other_heading, valid)
     for index, (before, after) in enumerate(pairwise(phases), start=1):
         _check_pair(before, after, f"phases[{index}]", keys)
     if cyclic:
@@ -33,14 +37,18 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
 
 
 def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) -> None:
-    levels = {before.support: before.height, before.other_foot: before.other_height if before.double else None}
-    for key, foot, value in (
-        ("height", after.support, after.height),
-        ("other_height", after.other_foot, after.other_height),
-    ):
-        known = levels[foot] if key == "height" or after.double else None
-        if known is not None and abs(known - value) > _SAME:
-            raise BadInput(f"{field}.{key}", value, f"{known:g} m, where that foot stands before")
+    stood = {before.support: (before.height, before.heading)}
+    if before.double:
+        stood[before.other_foot] = (before.other_height, before.other_heading)
+    here = [("", after.support, (after.height, after.heading))]
+    if after.double:
+        here.append(("other_", after.other_foot, (after.other_height, after.other_heading)))
+    for prefix, foot, values in here:
+        for key, unit, known, value in zip(
+            ("height", "heading"), ("m", "rad"), stood.get(foot, values), values, strict=True
+        ):
+            if abs(known - value) > _SAME:
+                raise BadInput(f"{field}.{prefix}{key}", value, f"{known:g} {unit}, as that foot stands before")
     if before.support != after.support and not (before.double and after.double):
         remedy = "the support changes between two phases with both feet on the ground"
         raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before", remedy)
@@ -55,6 +63,12 @@ def _check_cycle(first: Phase, last: Phase, keys: tuple[str, str]) -> None:
     """The first phase, or its mirror image if the support differs, must be able to follow the last one."""
     side = 1.0 if last.support == first.support else -1.0
     if first.other is not None and last.other is not None:
+        if abs(first.bend - last.bend) > _SAME:
+            valid = f"{last.heading + last.side * first.bend:g} rad, as at the start"
+            raise BadInput("cyclic: last phase's other_heading", last.other_heading, valid)
+        first, last = first.straight, last.straight
+        assert first.other is not None
+        assert last.other is not None
         gaps = [b - a for a, b in zip(first.foothold, first.other, strict=True)]
         wanted = (last.foothold[0] + gaps[0], last.foothold[1] + side * gaps[1])
         if not _equal(wanted, last.other):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
 Contact = Literal["air", "flat", "heel", "toe"]
 Array = npt.NDArray[np.float64]
 
@@ -42,6 +44,18 @@ QUANTITIES: dict[str, Quantity] = {
 }
 
 
+def turned(point: tuple[float, float], angle: float) -> tuple[float, float]:
+    """A vector (x, y) turned to the left by an angle, rad."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return (cos * point[0] - sin * point[1], sin * point[0] + cos * point[1])
+
+
+def about_vertical(angle: float) -> Array:
+    """(3, 3) rotation to the left, rad."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
 def opposite(side: Side) -> Side:
     """The other side."""
     return "left" if side == "right" else "right"
@@ -51,7 +65,8 @@ def opposite(side: Side) -> Side:
 class Limit:
     """Bounds on a quantity of the other foot or the torso during a phase; m, m/s or the sine of an angle.
 
-    Positions are world coordinates. ``quantity`` is one of :data:`QUANTITIES`.
+    Positions are those of :attr:`Phase.straight`: the world's, turned about the support sole if that is turned.
+    ``quantity`` is one of :data:`QUANTITIES`.
     """
 
     quantity: str
@@ -74,6 +89,8 @@ class Phase:
         limits: bounds besides those that hold in every phase.
         height: of the support sole, world, m.
         other_height: of the ground under the other foot: where it stands, or what it may not go below in the air.
+        heading: of the support sole, world, rad; to the left.
+        other_heading: of the other sole, world, rad; in the air it stays between this one and those before and after.
     """
 
     name: str
@@ -86,6 +103,24 @@ class Phase:
     limits: tuple[Limit, ...] = ()
     height: float = 0.0
     other_height: float = 0.0
+    heading: float = 0.0
+    other_heading: float = 0.0
+
+    @property
+    def straight(self) -> Phase:
+        """The same with the world turned about the support sole, so that x points along that."""
+        if not self.heading:
+            return self
+        other = self.other
+        if other is not None:
+            x, y = turned((other[0] - self.foothold[0], other[1] - self.foothold[1]), -self.heading)
+            other = (self.foothold[0] + x, self.foothold[1] + y)
+        return replace(self, other=other, heading=0.0, other_heading=self.other_heading - self.heading)
+
+    @property
+    def bend(self) -> float:
+        """Heading of the other sole against the support sole's, rad; in the mirror image if the left foot bears."""
+        return self.side * (self.other_heading - self.heading)
 
     @property
     def stand(self) -> tuple[float, float, float]:
@@ -110,6 +145,10 @@ class Phase:
     def place(self, foot: Side) -> tuple[float, float] | None:
         """(x, y) of a foot's sole, world, m; None in the air."""
         return self.foothold if foot == self.support else self.other
+
+    def facing(self, foot: Side) -> float:
+        """Heading of a foot's sole, world, rad."""
+        return self.heading if foot == self.support else self.other_heading
 
     @property
     def side(self) -> float:
@@ -144,7 +183,14 @@ class Same:
     other: int
 
 
-Condition = At | State | Same
+@dataclass(frozen=True)
+class Unloaded:
+    """The other foot bears nothing at a border that ends double support: it can be lifted there."""
+
+    border: int
+
+
+Condition = At | State | Same | Unloaded
 
 
 @dataclass(frozen=True)
@@ -192,6 +238,13 @@ class Motion:
         """How high a walk raises the ankle, m; None of a motion that is no walk."""
         return self.parameters["height"] if self.transfer is not None and "height" in self.parameters else None
 
+    def bends(self, phase: int) -> tuple[float, float]:
+        """Between which headings the other sole is turned in a phase, as :attr:`Phase.bend` counts them, rad."""
+        here = self.phases[phase]
+        near = [here] if here.double else self.phases[max(phase - 1, 0) : phase + 2]
+        found = [item.bend for item in near if item.support == here.support]
+        return min(found), max(found)
+
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""
         return not self.phases[phase].double and (phase == 0 or self.phases[phase - 1].double)
@@ -214,5 +267,5 @@ class Motion:
         if not self.phases[phase].double:
             return False
         if phase == len(self.phases) - 1 and not self.cyclic:
-            return self.phases[phase].contact == "toe"
+            return self.phases[phase].contact == "toe" or Unloaded(phase + 1) in self.conditions
         return not self.phases[(phase + 1) % len(self.phases)].double

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Motion, Phase, Same, State
-from gaitsmith.synthesis.program.bounds import Kind, quantity_form
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Motion, Phase, Same, State, about_vertical, turned
+from gaitsmith.synthesis.program.bounds import Form, Kind, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
@@ -50,29 +52,40 @@ def _close(rows: Rows, trans: Transcription, point: int, index: int, phase: Phas
     layout = trans.layout
     base = point * layout.outputs
     pivot = trans.pivots[index]
-    assert phase.other is not None
-    dx = phase.other[0] - phase.foothold[0] + pivot[0]
-    dy = phase.side * (phase.other[1] - phase.foothold[1]) + pivot[1]
+    x, y = other_place(phase, pivot)
+    cos, sin = math.cos(phase.bend), math.sin(phase.bend)
     label = Label(f"closure of the {phase.contact} foot", "m or rad", index, time, 1.0)
-    for axis, value in enumerate((dx, dy, phase.rise)):
+    for axis, value in enumerate((x, y, phase.rise)):
         rows.add(label, value, value, {base + layout.pivot + axis: 1.0})
     line = layout.leans > 0
-    for name in ("lean_gap" if line else "foot_roll", "foot_yaw") + (("foot_pitch",) if flat else ()):
+    for name in ("lean_gap" if line else "foot_roll",) + (("foot_pitch",) if flat else ()):
         rows.add(label, 0.0, 0.0, {base + getattr(layout, name): 1.0})
-    turning = (0, 1, 2) if flat else (0, 2)
-    leans = [point * layout.inputs + first + layout.joints + 1 for first in (layout.velocity, layout.acceleration)]
-    for axis in range(3):
-        rows.add(label, 0.0, 0.0, {base + layout.pivot_velocity + axis: 1.0})
-    for axis in turning:
-        own = {leans[0]: -1.0} if line and axis == 0 else {}
-        rows.add(label, 0.0, 0.0, {base + layout.foot_omega + axis: 1.0}, inp=own)
-    if trans.settings.order < 5:
-        return
-    for axis in range(3):
-        rows.add(label, 0.0, 0.0, {base + layout.pivot_acceleration + axis: 0.1})
-    for axis in turning:
-        own = {leans[1]: -0.1} if line and axis == 0 else {}
-        rows.add(label, 0.0, 0.0, {base + layout.foot_alpha + axis: 0.1}, inp=own)
+    rows.add(label, 0.0, 0.0, _sum(base, {layout.foot_yaw: cos, layout.foot_forward: -sin}))
+    # What may not turn: nothing at all, or nothing across the edge and about the vertical; a line turns with its lean.
+    still = ({0: 1.0}, {1: 1.0}, {2: 1.0}) if flat else ({0: cos, 1: sin}, {2: 1.0})
+    derivatives = (
+        (layout.pivot_velocity, layout.foot_omega, layout.velocity, 1.0),
+        (layout.pivot_acceleration, layout.foot_alpha, layout.acceleration, 0.1),
+    )
+    for speed, spin, rate, scale in derivatives[: 1 if trans.settings.order < 5 else 2]:
+        for axis in range(3):
+            rows.add(label, 0.0, 0.0, {base + speed + axis: scale})
+        for form in still:
+            lean = {point * layout.inputs + rate + layout.joints + 1: -scale} if line and 0 in form else {}
+            rows.add(label, 0.0, 0.0, _sum(base + spin, {k: scale * f for k, f in form.items()}), inp=lean)
+
+
+def other_place(phase: Phase, pivot: Array) -> tuple[float, float]:
+    """Where a phase holds the other sole's pivot, from the support sole, in its frame."""
+    other = phase.straight.other
+    assert other is not None
+    x, y = turned((float(pivot[0]), float(pivot[1])), phase.bend)
+    return other[0] - phase.foothold[0] + x, phase.side * (other[1] - phase.foothold[1]) + y
+
+
+def _sum(base: int, terms: Form) -> Form:
+    """A form without the terms that are zero."""
+    return {base + index: factor for index, factor in terms.items() if factor}
 
 
 def passive_rows(rows: Rows, trans: Transcription, points: Points) -> None:
@@ -102,8 +115,6 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         label = Label("wrench of the other foot", "weights", index, start, 1.0)
         edge = phase.contact in ("heel", "toe")
         fixed: set[tuple[int, int]] = set()
-        if edge:
-            fixed |= {(4, k) for k in range(4)}
         if layout.leans:
             fixed |= {(3, k) for k in range(4)}
         if motion.meets(index):
@@ -112,6 +123,10 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             fixed |= {(row, 3) for row in range(6)}
         for row, k in sorted(fixed):
             rows.add(label, 0.0, 0.0, lin={int(columns[row, k]): 1.0})
+        cos, sin = math.cos(phase.bend), math.sin(phase.bend)
+        for k in range(4) if edge else ():
+            if (4, k) not in fixed:
+                rows.add(label, 0.0, 0.0, lin=_sum(0, {int(columns[4, k]): cos, int(columns[3, k]): -sin}))
         if index == 0 or not phases[index - 1].double:
             continue
         previous = phases[index - 1]
@@ -119,6 +134,7 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         same = previous.support == phase.support
         there = _about_sole(trans, index - 1, 3) if same else None
         point = _point(points, index - 1, start)
+        frame = np.kron(np.eye(2), about_vertical(phase.bend))
         for row in range(6):
             if row == 3 and layout.leans:
                 continue
@@ -129,14 +145,14 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
                 rows.add(label, 0.0, 0.0, lin=lin)
                 continue
             # The wrench on the sole that was the support, seen in the mirrored frame of the new one.
-            factor = -_MIRROR[row] / trans.biped.weight
-            rows.add(label, 0.0, 0.0, {point * layout.outputs + layout.force + row: float(factor)}, lin)
+            seen = -frame[row] * _MIRROR / trans.biped.weight
+            rows.add(label, 0.0, 0.0, _sum(point * layout.outputs + layout.force, dict(enumerate(seen.tolist()))), lin)
 
 
 def _about_sole(trans: Transcription, phase: int, coefficient: int) -> list[dict[int, float]]:
     """Six forms in x: u of a phase at its start (coefficient 0) or end (3), about the sole frame's origin, flat."""
     columns = trans.wrench_columns(phase)[:, coefficient]
-    x, y = trans.pivots[phase][:2].tolist()
+    x, y = turned(tuple(trans.pivots[phase][:2].tolist()), trans.motion.phases[phase].bend)
     forms = [{int(column): 1.0} for column in columns]
     for row, column, lever in ((3, 2, y), (4, 2, -x), (5, 1, x), (5, 0, -y)):
         if lever:

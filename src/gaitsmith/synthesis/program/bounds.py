@@ -104,7 +104,7 @@ def _smooth(s: Array) -> Array:
 
 
 def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, float]:
-    """Linear form in the outputs, and the constant, that give a quantity in world coordinates."""
+    """Linear form in the outputs, and the constant, that give a quantity in the world of :attr:`Phase.straight`."""
     layout, sole, pivot = layout_of(biped), biped.sole(phase.other_foot), biped.pivot(phase)
     part, axis, _ = QUANTITIES[quantity]
     if part in ("foot", "torso"):
@@ -134,6 +134,7 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
     its edge has its ZMP there.
     """
     layout, weight = layout_of(biped), biped.weight
+    cos, sin = (float(f(phase.bend)) if other else x for f, x in ((np.cos, 1.0), (np.sin, 0.0)))
     foot = phase.other_foot if other else phase.support
     first = layout.wrench if other else layout.force
     twist, load = layout.twist + other, layout.load + other
@@ -142,8 +143,10 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
     def add(
         kind: Kind, name: str, unit: str, wrench: Form, span: float, out: Form | None = None, **ratio: float
     ) -> None:
-        """An upper bound of 0; ``wrench`` holds the six numbers' factors."""
-        scaled = {first + index: value / weight for index, value in wrench.items()}
+        """An upper bound of 0; ``wrench`` holds the factors of the six numbers in the sole's own axes."""
+        own = np.array([wrench.get(index, 0.0) for index in range(6)]).reshape(2, 3)
+        turned = (own @ [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]).ravel().tolist()
+        scaled = {first + index: value / weight for index, value in enumerate(turned) if value}
         outs = {index: value / weight for index, value in (out or {}).items()}
         both = (outs, scaled) if other else (outs | scaled, {})
         found.append(PhaseBound(kind, f"{foot} foot {name}", unit, *both, -np.inf, 0.0, span, load=int(other)))
@@ -213,7 +216,8 @@ def joint_bounds(biped: Biped, bounds: Bounds, side: float, joints: Sequence[int
     return found
 
 
-def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[PhaseBound]:
+def _foot_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
+    phase, lifts, lands = motion.phases[index], motion.lifts(index), motion.lands(index)
     layout, sole = layout_of(biped), biped.sole(phase.other_foot)
     length = sole.heel + sole.toe
     if phase.contact == "flat":
@@ -231,11 +235,20 @@ def _foot_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands:
     found.append(_sine("swing foot pitch", {layout.foot_pitch: 1.0}, -pitch, pitch, 2 * pitch))
     if not biped.lines:
         found.append(_sine("swing foot roll", {layout.foot_roll: 1.0}, -tilt, tilt, 2 * tilt))
-    found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, -tilt, tilt, 2 * tilt))
+    bends = motion.bends(index)
+    low, high = _yaws(bends, bounds.foot_tilt)
+    found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, low, high, high - low))
     gap = sole.half_width + biped.sole(phase.support).half_width + bounds.foot_gap
-    apart = {layout.pivot + 1: 1.0}
-    found.append(PhaseBound(Kind.REQUEST, "foot separation", "m", apart, {}, gap, np.inf, biped.width))
+    for end in (sole.toe, -sole.heel) if any(bends) else (0.0,):
+        apart = {layout.pivot + 1: 1.0} | ({layout.foot_yaw: end} if end else {})
+        found.append(PhaseBound(Kind.REQUEST, "foot separation", "m", apart, {}, gap, np.inf, biped.width))
     return found
+
+
+def _yaws(bends: tuple[float, float], most: float) -> tuple[float, float]:
+    """Sines of the angles ``most`` rad beyond a range of headings."""
+    quarter = 0.5 * np.pi
+    return float(np.sin(max(bends[0] - most, -quarter))), float(np.sin(min(bends[1] + most, quarter)))
 
 
 def check_margin(biped: Biped, bounds: Bounds) -> None:
@@ -272,11 +285,14 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
         found += _contact_bounds(biped, bounds, phase, True)
     heights = (0.3 * biped.height, biped.height - bounds.squat, biped.height)
     found.append(PhaseBound(Kind.REQUEST, "squat", "m", {layout.hip_height: 1.0}, {}, *heights))
-    for name in ("pitch", "roll", "yaw"):
+    bends = motion.bends(index)
+    low, high = _yaws((min(bends[0], 0.0), max(bends[1], 0.0)), bounds.torso_yaw)
+    found.append(_sine("torso yaw", {layout.torso_yaw: 1.0}, low, high, high - low))
+    for name in ("pitch", "roll"):
         tilt = float(np.sin(getattr(bounds, f"torso_{name}")))
         form = {int(getattr(layout, f"torso_{name}")): 1.0}
         found.append(_sine(f"torso {name}", form, -tilt, tilt, 2 * tilt))
-    found += _foot_bounds(biped, bounds, phase, motion.lifts(index), motion.lands(index))
+    found += _foot_bounds(biped, bounds, motion, index)
     for limit in phase.limits:
         form, constant = quantity_form(biped, phase, limit.quantity)
         unit = QUANTITIES[limit.quantity].unit

@@ -11,7 +11,7 @@ from gaitsmith.splines.polynomial import chebyshev, polynomial
 from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import At, Condition, Same, State
+from gaitsmith.synthesis.motions.motion import At, Condition, Same, State, Unloaded, about_vertical
 from gaitsmith.synthesis.proof.definitions import CONDITION, quantity
 from gaitsmith.synthesis.proof.measured import Errors, larger, measure
 
@@ -19,6 +19,7 @@ Array = npt.NDArray[np.float64]
 SEAM = {"position_m": 1e-6, "angle_rad": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}
 _STATES = ("position", "velocity", "acceleration")
 _ALLOWED = {"position": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}  # rad, rad/s, rad/s²
+_LOAD = 1e-5  # of the weight
 _GAUSS, _FEW = 30, 8  # nodes a piece: exact for τᵀτ up to degree 29, and for a cubic u, which turns with its foot
 
 
@@ -33,9 +34,13 @@ def conditions(gait: Gait, biped: Biped, finder: StateFinder) -> list[tuple[str,
         index = max(item.border - 1, 0)
         time = np.array([borders[item.border]])
         if isinstance(item, At):
-            numbers, _ = measure(gait, biped, finder, index, time, Errors())
+            numbers = measure(gait, biped, finder, index, time, Errors())
             value = float(quantity(numbers, biped, gait.motion.phases[index], item.quantity)[0])
             found.append((item.quantity, item.value, value, CONDITION))
+        elif isinstance(item, Unloaded):
+            wrench, phase = gait.wrenches(index, time)[:, 0], gait.motion.phases[index]
+            most = float(np.abs(wrench[:6] if phase.support == "right" else wrench[6:]).max()) / biped.weight
+            found.append((f"load of the {phase.other_foot} foot at border {item.border}", 0.0, most, _LOAD))
         else:
             found += _states(gait, item, gait.joints(index, time))
     return found
@@ -63,16 +68,16 @@ def jumps(gait: Gait, biped: Biped) -> tuple[float, float]:
     The seam of a cyclic gait is one of these places. A foot that meets or leaves the ground bears nothing there, and
     with the other one in the air the jump of its wrench would show.
     """
-    pieces = [piece for group in gait.pieces for piece in group]
-    ends = [(chebyshev(p.torque, 1.0), chebyshev(p.wrench, 1.0)) for p in pieces]
-    starts = [(chebyshev(p.torque, 0.0), chebyshev(p.wrench, 0.0)) for p in pieces]
+    phases = gait.motion.phases
+    pieces = [(piece, phase.heading) for phase, group in zip(phases, gait.pieces, strict=True) for piece in group]
+    ends, starts = ([_loads(*item, s) for item in pieces] for s in (1.0, 0.0))
     pairs = list(zip(ends[:-1], starts[1:], strict=True))
     if gait.motion.cyclic:
-        image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign).pieces[0][0]
-        pairs.append((ends[-1], (chebyshev(image.torque, 0.0), chebyshev(image.wrench, 0.0))))
+        image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
+        pairs.append((ends[-1], _loads(image.pieces[0][0], image.motion.phases[0].heading, 0.0)))
     torque = max((float(np.abs(one[0] - two[0]).max()) for one, two in pairs), default=0.0)
     wrench = max((float(np.abs(one[1] - two[1]).max()) for one, two in pairs), default=0.0)
-    first, last = gait.motion.phases[0], gait.motion.phases[-1]
+    first, last = phases[0], phases[-1]
     if not gait.motion.cyclic:  # what goes on elsewhere is handed over with the other foot free
         for phase, contact, values in ((first, "heel", starts[0][1]), (last, "toe", ends[-1][1])):
             if phase.contact == contact:
@@ -81,16 +86,28 @@ def jumps(gait: Gait, biped: Biped) -> tuple[float, float]:
     return torque, wrench / biped.weight
 
 
-def seams(gait: Gait, biped: Biped, finder: StateFinder, edges: list[tuple[FullState, FullState]]) -> dict[str, float]:
+def _loads(piece: Piece, heading: float, s: float) -> tuple[Array, Array]:
+    """Torques and wrenches of a piece at its start (0) or end (1); world axes."""
+    wrench = chebyshev(piece.wrench, s).reshape(4, 3) @ about_vertical(heading).T
+    return chebyshev(piece.torque, s), wrench.ravel()
+
+
+def _state(gait: Gait, finder: StateFinder, index: int, time: float) -> FullState:
+    """The robot in a phase at a time, s."""
+    phase = gait.motion.phases[index]
+    instant = np.array([time])
+    q, v, a, lean = (values[:, 0] for values in (*gait.joints(index, instant), gait.leans(index, instant)))
+    return finder.find(phase.support, phase.stand, q, v, a, lean, phase.heading)
+
+
+def seams(gait: Gait, biped: Biped, finder: StateFinder) -> dict[str, float]:
     """Jumps of the robot's state where phases meet and inside them, the cyclic seam included."""
-    found = dict.fromkeys(SEAM, 0.0)
-    pairs = [(before[1], after[0]) for before, after in pairwise(edges)]
+    found, borders = dict.fromkeys(SEAM, 0.0), gait.motion.borders
+    pairs = [tuple(_state(gait, finder, n, borders[k + 1]) for n in (k, k + 1)) for k in range(len(borders) - 2)]
     if gait.motion.cyclic:
         image = follow(gait, gait, gait.motion.mirrored, biped.partner, biped.sign)
-        first = image.motion.phases[0]
-        q, v, a = (values[:, 0] for values in image.joints(0, np.array([image.pieces[0][0].start])))
-        lean = image.leans(0, np.array([image.pieces[0][0].start]))[:, 0]
-        pairs.append((edges[-1][1], finder.find(first.support, first.stand, q, v, a, lean)))
+        end = _state(gait, finder, len(borders) - 2, borders[-1])
+        pairs.append((end, _state(image, finder, 0, image.pieces[0][0].start)))
     for end, begin in pairs:
         away = float(np.minimum(1.0, abs(float(end.position[3:7] @ begin.position[3:7]))))
         angle = larger(np.abs(end.position[7:] - begin.position[7:]).max(), 2.0 * np.arccos(away))
@@ -130,7 +147,7 @@ def objective(gait: Gait, biped: Biped, finder: StateFinder, weight: float) -> f
             effort = shares @ np.sum(chebyshev(piece.torque, 0.5 * (nodes + 1.0)) ** 2, axis=0)
             if phase.double:
                 times = piece.start + 0.5 * (few + 1.0) * piece.duration
-                numbers, _ = measure(gait, biped, finder, index, times, Errors())
+                numbers = measure(gait, biped, finder, index, times, Errors())
                 effort += weight * parts @ np.sum(np.concatenate([numbers.push, numbers.turn]) ** 2, axis=0)
             total += 0.5 * piece.duration * float(effort)
     return total

@@ -92,7 +92,7 @@ def stability(gait: Gait, robot: Robot, box: Box) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {}
     for index, phase in enumerate(gait.motion.phases):
         enclosed = enclose(gait, biped, engine, index, first_stretches(gait, index, _LONGEST))
-        for rows in _constraints(biped, phase, box, gait.bounds["friction"]):
+        for rows in _constraints(biped, phase.straight, box, gait.bounds["friction"]):
             most = _sums(enclosed, box.mass, rows.force, rows.moment).max(axis=0)
             uneven = rows.name == "ZMP" and phase.double and phase.rise != 0.0
             if uneven:  # with soles at two heights there is no plane for a ZMP

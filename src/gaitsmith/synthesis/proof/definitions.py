@@ -28,7 +28,7 @@ _CROUCH = 0.3  # of the height with straight legs: lowest hips
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """A phase's motion and forces, of any kind of number.
+    """A phase's motion and forces, of any kind of number, in the world of :attr:`Phase.straight`.
 
     Attributes:
         q, v, torque, rate: [joint] rad, rad/s, N·m, N·m/s.
@@ -104,7 +104,7 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
         motion: of the gait file.
         index: of the phase.
     """
-    phase = motion.phases[index]
+    phase = motion.phases[index].straight
     items = [*joint_limits(found, biped, bounds), *_contact(found, biped, bounds, phase, phase.support)]
     if phase.double:
         items += _contact(found, biped, bounds, phase, phase.other_foot)
@@ -114,9 +114,11 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
     for name, value in (
         ("pitch", -found.torso[2, 0]),
         ("roll", found.torso[2, 1] * toward),
-        ("yaw", found.torso[1, 0] * toward),
     ):
         items.append(_angle(f"torso {name}", value, bounds[f"torso_{name}"]))
+    yaws = motion.bends(index)
+    feet = min(yaws[0], 0.0), max(yaws[1], 0.0)
+    items.append(_angle("torso yaw", found.torso[1, 0] * toward, bounds["torso_yaw"], feet))
     items += _foot(found, biped, bounds, motion, index)
     for limit in phase.limits:
         value, unit = quantity(found, biped, phase, limit.quantity), QUANTITIES[limit.quantity].unit
@@ -151,10 +153,10 @@ def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Ite
             yield Bound(f"{name} torque rate", "N·m/s", found.rate[k], -steep, steep, 2.0 * steep)
 
 
-def _angle(name: str, sine: Any, most: float) -> Bound:
-    """An angle within ± ``most`` rad, through its sine."""
-    limit = float(np.sin(most))
-    return Bound(name, "rad", sine, -limit, limit, 2.0 * limit, sine=True)
+def _angle(name: str, sine: Any, most: float, between: tuple[float, float] = (0.0, 0.0)) -> Bound:
+    """An angle at most ``most`` rad outside of two others, through its sine."""
+    low, high = (float(np.sin(np.clip(angle, -0.5 * np.pi, 0.5 * np.pi))) for angle in np.add(between, (-most, most)))
+    return Bound(name, "rad", sine, low, high, high - low, sine=True)
 
 
 def sole_edges(biped: Biped, phase: Phase, foot: Side) -> list[tuple[str, float, float, float]]:
@@ -185,6 +187,8 @@ def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Pha
     """(12)-(14) of one foot: friction, the ZMP inside the sole, yaw moment about it, and no pull."""
     bears = foot == phase.support
     force, moment = (found.force, found.moment) if bears else (found.push, found.turn)
+    if not bears:
+        force, moment = (along_sole(vector, phase.other_heading) for vector in (force, moment))
     weight, sole = biped.weight, biped.sole(foot)
     fx, fy, fz = (force[k] * (1.0 / weight) for k in range(3))
     mx, my, mz = (moment[k] * (1.0 / weight) for k in range(3))
@@ -219,7 +223,7 @@ def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Pha
 
 def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> Iterator[Bound]:
     """(8), (9) of the other foot: above the ground, level, and beside the support foot."""
-    phase = motion.phases[index]
+    phase = motion.phases[index].straight
     pitch = -found.rotation[2, 0]
     if phase.contact in ("heel", "toe"):
         low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
@@ -231,16 +235,21 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
     for height in corner_heights(found, biped, phase):
         size = foot.heel + foot.toe
         yield Bound("swing clearance", "m", height - rise, 0.0, np.inf, size, interior=True, allowed=GROUND / size)
-    tilts = [
-        ("pitch", pitch, bounds["foot_pitch"]),
-        ("roll", found.rotation[2, 1] * phase.side, bounds["foot_tilt"]),
-        ("yaw", found.rotation[1, 0] * phase.side, bounds["foot_tilt"]),
-    ]
-    for name, sine, most in tilts if not biped.lines else tilts[::2]:  # a line may roll about itself
-        yield _angle(f"swing foot {name}", sine, most)
-    apart = (found.pivot[1] - phase.foothold[1]) * phase.side
+    yaws = motion.bends(index)
+    yield _angle("swing foot pitch", pitch, bounds["foot_pitch"])
+    if not biped.lines:  # a line may roll about itself
+        yield _angle("swing foot roll", found.rotation[2, 1] * phase.side, bounds["foot_tilt"])
+    yield _angle("swing foot yaw", found.rotation[1, 0] * phase.side, bounds["foot_tilt"], yaws)
     least = foot.half_width + biped.sole(phase.support).half_width + bounds["foot_gap"]
-    yield Bound("foot separation", "m", apart, least, np.inf, biped.width)
+    for x in (foot.toe, -foot.heel) if any(yaws) else (0.0,):  # ends of a sole that turns inward
+        apart = (found.pivot[1] - phase.foothold[1] + found.rotation[1, 0] * x) * phase.side
+        yield Bound("foot separation", "m", apart, least, np.inf, biped.width)
+
+
+def along_sole(vector: Any, heading: float) -> tuple[Any, Any, Any]:
+    """A vector in the axes of a sole that is turned by ``heading``, rad, about the vertical."""
+    cos, sin = float(np.cos(heading)), float(np.sin(heading))
+    return vector[0] * cos + vector[1] * sin, vector[1] * cos - vector[0] * sin, vector[2]
 
 
 def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
@@ -255,7 +264,7 @@ def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
 
 
 def quantity(found: Measured, biped: Biped, phase: Phase, name: str) -> Any:
-    """A quantity of :data:`QUANTITIES`, world axes; of angles the sine."""
+    """A quantity of :data:`QUANTITIES`, in the world of :attr:`Phase.straight`; of angles the sine."""
     part, axis, _ = QUANTITIES[name]
     if part in ("foot", "torso"):
         rotation = found.rotation if part == "foot" else found.torso

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.motion import about_vertical
 from gaitsmith.synthesis.proof.definitions import Measured
 from gaitsmith.synthesis.proof.dynamics import BodyMotion, EnclosedRobot
 from gaitsmith.synthesis.proof.taylor import DEGREE, Taylor, cross
@@ -65,7 +66,7 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
         index: of the phase.
         stretches: which.
     """
-    phase, pieces = gait.motion.phases[index], gait.pieces[index]
+    phase, pieces = gait.motion.phases[index].straight, gait.pieces[index]
     count = len(stretches)
     joints = len(gait.joint_names)
     q, v, a, torque, rate, wrench, *leans = (_Rows(width, count) for width in (*(5 * (joints,)), 12, 1, 1, 1))
@@ -168,7 +169,7 @@ def _measured(
     spans: Array,
 ) -> tuple[Measured, list[tuple[Taylor, Taylor, Taylor]]]:
     """The phase's numbers, and its other foot's contacts."""
-    phase, robot = gait.motion.phases[index], biped.robot
+    phase, robot = gait.motion.phases[index].straight, biped.robot
     leg, pivot = biped.leg(phase.other_foot), biped.pivot(phase)
     foot, torso = motions[leg.sole_body], motions[robot.torso_body]
 
@@ -183,7 +184,7 @@ def _measured(
         assert phase.other is not None
         for x, y in biped.corners(phase.contact, phase.other_foot).tolist():
             place, speed, pull = point(np.array([x, y, 0.0]))
-            goal = np.array([phase.other[0] + x, phase.other[1] + y, phase.other_height])
+            goal = about_vertical(phase.other_heading) @ (x, y, 0.0) + (*phase.other, phase.other_height)
             contacts.append((place - goal[:, None], speed, pull))
     ankle, ankle_speed, _ = foot.point(np.zeros(3))
     share = np.zeros((DEGREE + 1, len(middles)))

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
+from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.proof.definitions import Measured
+from gaitsmith.synthesis.motions.motion import about_vertical
+from gaitsmith.synthesis.proof.definitions import Measured, along_sole
 
 Array = npt.NDArray[np.float64]
 CLOSURE = ("position_mm", "velocity", "acceleration")
@@ -53,11 +54,9 @@ def rise(s: Array, lifts: bool, lands: bool) -> Array:
     return np.minimum(*(x**3 * (10.0 - 15.0 * x + 6.0 * x**2) for x in (up, down)))
 
 
-def measure(
-    gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Array, errors: Errors
-) -> tuple[Measured, list[FullState]]:
-    """A phase's numbers (N,) at times within it, and the full states; errors are added to ``errors``."""
-    phase = gait.motion.phases[index]
+def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Array, errors: Errors) -> Measured:
+    """A phase's numbers (N,) at times within it; errors are added to ``errors``."""
+    phase = gait.motion.phases[index].straight
     q, v, a = gait.joints(index, times)
     lean = gait.leans(index, times)
     torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
@@ -66,14 +65,14 @@ def measure(
     vectors, matrices = ("pivot", "ankle", "ankle_velocity"), ("rotation", "torso")
     rows: dict[str, Any] = {"hip": np.zeros(count)}
     rows |= {name: np.zeros((3, count)) for name in vectors} | {name: np.zeros((3, 3, count)) for name in matrices}
-    leg, robot, states = biped.leg(phase.other_foot), biped.robot, []
+    leg, robot = biped.leg(phase.other_foot), biped.robot
     heel = -leg.sole_rotation.T @ leg.sole_position
     if phase.double:
         assert phase.other is not None
         corners = np.array([(x, y, 0.0) for x, y in biped.corners(phase.contact, phase.other_foot)]).T
-        goals = corners + np.array([*phase.other, phase.other_height])[:, None]
+        goals = about_vertical(phase.other_heading) @ corners + np.array([*phase.other, phase.other_height])[:, None]
     for k in range(count):
-        states.append(finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], lean[:, k]))
+        finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], lean[:, k])
         foot = finder.foot(phase.other_foot, heel)
         rows["ankle"][:, k], rows["ankle_velocity"][:, k], _, rotation, *_ = foot
         rows["pivot"][:, k], rows["rotation"][..., k] = foot[0] + rotation @ (pivot - heel), rotation
@@ -88,13 +87,14 @@ def measure(
     if not phase.double:
         errors.air = larger(errors.air, np.abs(other).max(initial=0.0) / biped.weight)
     elif phase.contact != "flat":
-        errors.edge = larger(errors.edge, np.abs(rows["turn"][1]).max(initial=0.0) / biped.effort)
+        about = along_sole(rows["turn"], phase.other_heading)[1]
+        errors.edge = larger(errors.edge, np.abs(about).max(initial=0.0) / biped.effort)
     if biped.lines:
-        about = np.abs([support[3], rows["turn"][0]]).max(initial=0.0)
-        errors.edge = larger(errors.edge, about / biped.effort)
+        about = along_sole(rows["turn"], phase.other_heading)[0]
+        errors.edge = larger(errors.edge, np.abs([support[3], about]).max(initial=0.0) / biped.effort)
     share = (times - gait.motion.borders[index]) / phase.duration
     profile: Callable[[bool, bool], Any] = lambda lifts, lands: rise(share, lifts, lands)  # noqa: E731
-    found = Measured(
+    return Measured(
         q,
         v,
         torque,
@@ -106,7 +106,6 @@ def measure(
         profile=profile,
         **rows,
     )
-    return found, states
 
 
 def _closure(errors: Errors, points: Array, goals: Array, foot: tuple[Array, ...]) -> None:

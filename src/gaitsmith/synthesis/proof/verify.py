@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.files.gait_file import claims_hash
-from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
+from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
 from gaitsmith.synthesis.gaits.worst import Worst
@@ -141,11 +141,9 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
         verdict.problems.append(f"{row['constraint'][:60]} in the file's certificate: {when}")
     borders, errors, light = gait.motion.borders, Errors(), 0.0
     beyond: dict[str, Worst] = {}
-    edges: list[tuple[FullState, FullState]] = []
     for index, phase in enumerate(gait.motion.phases):
         times = np.linspace(borders[index], borders[index + 1], dense)
-        found, states = measure(gait, biped, finder, index, times, errors)
-        edges.append((states[0], states[-1]))
+        found = measure(gait, biped, finder, index, times, errors)
         bounds = phase_bounds(found, biped, gait.bounds, gait.motion, index)
         tally(verdict.worst, beyond, phase, bounds, times)
         light = larger(light, unloaded(bounds))
@@ -156,7 +154,7 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
             report(index + 1, len(gait.motion.phases))
     verdict.closure, verdict.dynamics_residual = errors.closure, errors.residual
     verdict.torque_jump, verdict.wrench_jump = jumps(gait, biped)
-    verdict.seam = seams(gait, biped, finder, edges)
+    verdict.seam = seams(gait, biped, finder)
     verdict.conditions = conditions(gait, biped, finder)
     verdict.checked += len(rows) + len(verdict.conditions)
     _judge(verdict, beyond, errors, light)
@@ -167,7 +165,7 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
 
 def _figures(verdict: Verdict, biped: Biped, gait: Gait, index: int, found: Measured) -> None:
     """Penetration, clearance and ZMP margins of one phase, mm."""
-    phase = gait.motion.phases[index]
+    phase = gait.motion.phases[index].straight
     lowest = 1e3 * np.min(corner_heights(found, biped, phase), axis=0)
     verdict.penetration = larger(verdict.penetration, -lowest.min())
     if phase.double and phase.rise:
@@ -200,7 +198,7 @@ def _compare(
         return
     first, last = gait.motion.borders[index : index + 2]
     times = np.clip([row["time"] for row in rows], first, last)
-    found, _ = measure(gait, biped, finder, index, times, Errors())
+    found = measure(gait, biped, finder, index, times, Errors())
     bounds: list[Bound] = phase_bounds(found, biped, gait.bounds, gait.motion, index)
     texts = (disagrees(row, bounds, k) for k, row in enumerate(rows))
     verdict.problems += [text for text in texts if text]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,14 +20,15 @@ from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.motion import QUANTITIES, Condition, Motion, Same
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
+from gaitsmith.synthesis.motions.turning import check_turn, turn_cycle, turn_start, turn_stop
 from gaitsmith.synthesis.requests.free_times import freed
 from gaitsmith.synthesis.solution.certificate import mirrored_entry
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 
 Array = npt.NDArray[np.float64]
-Kind = Literal["cyclic", "start", "stop", "walk", "kick", "stairs"]
-KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick", "stairs")
+Kind = Literal["cyclic", "start", "stop", "walk", "kick", "stairs", "turn"]
+KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick", "stairs", "turn")
 RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
 KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
@@ -173,6 +175,10 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
         check_stairs(biped, request.step)
         cycle = run(stairs_cycle(biped, request.step), request.settings)
         return _ends(planner, request, run, results, cycle, rest)
+    if request.kind == "turn":
+        check_turn(biped)
+        cycle = run(turn_cycle(biped, request.step, settings.sized(biped).bounds.foot_gap), settings)
+        return _ends(planner, request, run, results, cycle, rest)
     step, periods = request.step, []
     cycle = run(cyclic(biped, step), request.settings)
     while request.faster and cycle.gait is None and _FASTER * step.period > _FASTEST * biped.fall_time:
@@ -199,9 +205,13 @@ def _ends(
         return Answer(results, cycle.gait)
     q, v, a = cycle.gait.joints(0, np.array([0.0]))
     state = (q[biped.index, 0], v[biped.index, 0], a[biped.index, 0])
-    first, last = (stairs_start, stairs_stop) if request.kind == "stairs" else (start, stop)
-    wanted = request.kind in ("start", "walk", "stairs")
-    begin = run(first(biped, request.step, rest, state), settings) if wanted else None
+    first, last = start, stop
+    if request.kind == "stairs":
+        first, last = stairs_start, stairs_stop
+    elif request.kind == "turn":
+        gap = settings.sized(biped).bounds.foot_gap
+        first, last = partial(turn_start, gap=gap), partial(turn_stop, gap=gap)
+    begin = run(first(biped, request.step, rest, state), settings) if request.kind != "stop" else None
     if begin is not None and (begin.gait is None or request.kind == "start"):
         return Answer(results, begin.gait)
     end = run(last(biped, request.step, rest, state), settings)
@@ -246,7 +256,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     for gait, source in zip(gaits, sources, strict=True):
         away = gait.motion.phases[0].stand[0] - source.motion.phases[0].stand[0]
         climb = gait.motion.phases[0].height - source.motion.phases[0].height
-        first, mirror = gait.pieces[0][0].start, gait.motion.phases[0].support != "right"
+        first, mirror = gait.pieces[0][0].start, gait.motion.phases[0].support != source.motion.phases[0].support
         conditions += [_later(item, borders) for item in gait.motion.conditions]
         borders += len(gait.motion.phases)
         for item in gait.certificate["worst"]:
@@ -267,7 +277,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     ranked = sorted(worst.values(), key=lambda item: -float(item["violation"]))
     gait = replace(
         begin.gait,
-        motion=Motion("stairs" if request.kind == "stairs" else "walk", phases, tuple(conditions), False, parameters),
+        motion=Motion(request.kind, phases, tuple(conditions), False, parameters),
         pieces=pieces,
         bounds=bounds,
         solver=solver,

@@ -18,6 +18,7 @@ from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
 _INSTANTS = 40  # a section
+_WHOLE = ("walk", "stairs", "turn")  # motions that are put together from several
 
 
 def peak_torques(gait: Gait) -> dict[str, float]:
@@ -71,8 +72,8 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "iterations": sum(item.iterations for item in results),
         "refinements": sum(item.rounds for item in results),
         "time_s": times,
-        "variables": sum(item.variables for item in results) if kind == "walk" else main.variables,
-        "constraints": sum(item.constraints for item in results) if kind == "walk" else main.constraints,
+        "variables": sum(item.variables for item in results) if kind in _WHOLE else main.variables,
+        "constraints": sum(item.constraints for item in results) if kind in _WHOLE else main.constraints,
         "fallbacks": sum(item.fallbacks for item in results),
         "duration": None if gait is None else gait.duration,
         "max_torque": None if gait is None else peak_torques(gait),
@@ -121,7 +122,6 @@ def _step(gait: Gait) -> dict[str, float]:
 
 def _objective(found: Answer, kind: str) -> float | None:
     """J of eq. (16) over the whole motion, every cycle of a walk counted; None where nothing was solved."""
-    if kind == "walk" and found.gait is not None:
-        cycles = found.gait.motion.parameters["cycles"]
-        return sum(item.objective * (cycles if name == "cyclic" else 1.0) for name, item in found.results.items())
+    if kind in _WHOLE and found.gait is not None:
+        return float(found.gait.certificate["objective"])
     return found.main.objective if np.isfinite(found.main.objective) else None

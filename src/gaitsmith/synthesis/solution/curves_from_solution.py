@@ -15,6 +15,7 @@ import numpy.typing as npt
 from gaitsmith.splines.polynomial import bernstein_to_power, chebyshev, chebyshev_fit, hermite, polynomial, power_basis
 from gaitsmith.synthesis.gaits.gait import Piece
 from gaitsmith.synthesis.point.functions import PointFunctions
+from gaitsmith.synthesis.program.boundary import other_place
 from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Transcription
 from gaitsmith.synthesis.solution.passive import LocalPiece, balanced
 
@@ -31,33 +32,30 @@ def _solve_closure(trans: Transcription, functions: PointFunctions, phase: int, 
     """Inputs (inputs, N) of a double-support phase with the other leg's joints solved from the closure."""
     layout, n = trans.layout, trans.layout.coordinates
     item = trans.motion.phases[phase]
-    assert item.other is not None
+    cos, sin = np.cos(item.bend), np.sin(item.bend)
     pivots = np.tile(trans.pivots[phase][:, None], (1, z.shape[1]))
-    goal = np.array(
-        [
-            item.other[0] - item.foothold[0] + trans.pivots[phase][0],
-            item.side * (item.other[1] - item.foothold[1]) + trans.pivots[phase][1],
-            item.rise,
-        ]
-    )
+    goal = np.array([*other_place(item, trans.pivots[phase]), item.rise])
     leg = trans.biped.leg_joints("left")
     o = functions.evaluate(z, pivots, item.side)
     flat = item.contact == "flat"
     pitch = np.zeros(z.shape[1]) if flat else o[layout.foot_pitch]
-    rate = np.zeros(z.shape[1]) if flat else o[layout.foot_omega + 1]
-    bend = np.zeros(z.shape[1]) if flat else o[layout.foot_alpha + 1]
+    rate, pull = (
+        np.zeros(z.shape[1]) if flat else cos * o[first + 1] - sin * o[first]
+        for first in (layout.foot_omega, layout.foot_alpha)
+    )
     places = [layout.pivot, layout.pivot + 1, layout.pivot + 2, layout.foot_roll, layout.foot_pitch, layout.foot_yaw]
     target = np.vstack([np.tile(goal[:, None], (1, z.shape[1])), 0 * pitch, pitch, 0 * pitch])
+    turn = np.eye(layout.outputs)[places]  # the last row: the sole's forward axis across where it is to point
+    turn[5, [layout.foot_yaw, layout.foot_forward]] = cos, -sin
     given, z = z, z.copy()
     speeds = list(range(layout.pivot_velocity, layout.pivot_velocity + 6))
     pulls = list(range(layout.pivot_acceleration, layout.pivot_acceleration + 6))
-    zero = np.zeros((4, z.shape[1]))
-    wanted_speed = np.vstack([zero, rate, zero[0]])
-    wanted_pull = np.vstack([zero, bend, zero[0]])
+    zero = np.zeros((3, z.shape[1]))
+    wanted_speed, wanted_pull = (np.vstack([zero, -sin * about, cos * about, zero[0]]) for about in (rate, pull))
     for _ in range(_NEWTON):
         o, J = functions.differentiate(z, pivots, item.side)
-        gap = target - o[places]
-        step = np.linalg.solve(J[:, places][:, :, leg], gap.T[:, :, None])[:, :, 0]
+        gap = target - turn @ o
+        step = np.linalg.solve(turn @ J[:, :, leg], gap.T[:, :, None])[:, :, 0]
         z[leg] += step.T
         if np.abs(gap).max() < 1e-13:
             break
@@ -185,7 +183,8 @@ def finished_pieces(
     x, y, _ = trans.pivots[phase]
     # From the pivot to the sole frame's origin: r = pivot minus origin, in local axes.
     along = np.vstack([o[layout.foot_forward], o[layout.foot_yaw], -o[layout.foot_pitch]])
-    r = x * along + y * np.vstack([-o[layout.foot_yaw], np.ones(z.shape[1]), o[layout.foot_roll]])
+    across = np.full(z.shape[1], np.cos(item.bend))
+    r = x * along + y * np.vstack([-o[layout.foot_yaw], across, o[layout.foot_roll]])
     u[3:] += np.cross(r.T, u[:3].T).T
     joints = [coefficients[:n, : trans.settings.order + 1] for _, _, coefficients in pieces]
     leans = [item.side * coefficients[n : n + layout.leans // 2] for _, _, coefficients in pieces]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Phase
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Phase, about_vertical, turned
 from gaitsmith.synthesis.program.bounds import quantity_form
 from gaitsmith.synthesis.program.transcription import Transcription
 
@@ -27,7 +27,8 @@ def out_of_reach(trans: Transcription) -> str:
     reach = 2.0 * leg + biped.width * float(np.sin(trans.settings.bounds.torso_yaw))
     motion, wanted = trans.motion, [item for item in trans.motion.conditions if isinstance(item, At)]
     for index, phase in enumerate(motion.phases):
-        apart = 0.0 if phase.other is None else abs(phase.other[0] - phase.foothold[0])
+        other = phase.straight.other
+        apart = 0.0 if other is None else abs(other[0] - phase.foothold[0])
         if phase.contact == "flat" and apart > reach:
             return f"no solution: feet {apart:.3g} m apart in {phase.name}, the legs reach {reach:.3g} m at most"
         for limit in phase.limits:
@@ -60,10 +61,12 @@ def _resting(trans: Transcription, neighbour: int, phase: Phase, quantity: str) 
         return None
     layout, leg = trans.layout, trans.biped.leg(phase.other_foot)
     o = np.zeros(layout.outputs)
-    origin = np.array([place[0] - phase.foothold[0], phase.side * (place[1] - phase.foothold[1]), phase.rise])
-    ankle = -leg.sole_rotation.T @ leg.sole_position * (1.0, phase.side, 1.0)
+    x, y = turned((place[0] - phase.foothold[0], place[1] - phase.foothold[1]), -phase.heading)
+    bend = phase.side * (phases[neighbour].facing(phase.other_foot) - phase.heading)
+    origin = np.array([x, phase.side * y, phase.rise])
+    ankle = about_vertical(bend) @ (-leg.sole_rotation.T @ leg.sole_position * (1.0, phase.side, 1.0))
     o[layout.pivot : layout.pivot + 3], o[layout.ankle : layout.ankle + 3] = origin, origin + ankle
-    o[layout.foot_forward] = 1.0
+    o[layout.foot_forward], o[layout.foot_yaw] = np.cos(bend), np.sin(bend)
     form, constant = quantity_form(trans.biped, phase, quantity)
     return constant + sum(factor * float(o[k]) for k, factor in form.items())
 
