@@ -51,16 +51,6 @@ def test_internal_torques_do_not_change_momentum():
     np.testing.assert_allclose(momentum(plant) - before, [0, 0, -fell], atol=MOMENTUM_TOLERANCE)
 
 
-def test_ground_forces_carry_a_standing_robot_at_its_soles(plant):
-    hold(plant, 400)
-    found = plant.ground_forces()
-    np.testing.assert_allclose(found[:, 5].sum(), robot().mass * GRAVITY, rtol=0.02)
-    assert abs(found[:, :2] @ np.ones(2)).max() < 0.5
-    assert abs(found[:, 2]).max() < 2e-3
-    hold(plant, 1)
-    assert np.linalg.norm(found[:, 3:5].sum(axis=0)) < 0.02 * robot().mass * GRAVITY
-
-
 def test_a_heavier_robot_weighs_more_on_the_ground():
     heavier = Plant(robot(), mass_factor=1.1)
     uneven = [Plant(robot(), mass_spread=0.05, seed=seed)._model.body_mass[1:] for seed in (0, 0, 1)]

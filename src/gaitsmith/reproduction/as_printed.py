@@ -120,7 +120,7 @@ def as_printed(found: Found, tell: Tell) -> None:
         f"mean of a stage off by at most {1e3 * worst:+.0f} mm/s",
         abs(worst) < _SMALL_SPEED,
         "eq. 15 compares the speed of the moment with the command and remembers nothing: a bias stays "
-        "(docs/deviations.md); our preset differs in that",
+        "(docs/deviations.md); the default preset learns it",
     )
     for number, deviation in enumerate(OMITTED):
         tell(f"as printed: {number} of {len(OMITTED)} equations")
@@ -128,7 +128,7 @@ def as_printed(found: Found, tell: Tell) -> None:
         found.say(
             "template5",
             deviation.says,
-            "taken so, it " + "; ".join(f"{how(walk)} at {v:g} m/s" for v, walk in zip(SPEEDS, walks, strict=True)),
+            "taken so, " + "; ".join(f"told {v:g} m/s, it {how(walk)}" for v, walk in zip(SPEEDS, walks, strict=True)),
             all(follows(walk) for walk in walks),
             "so it does not walk as told; corrected in every preset (docs/deviations.md)",
         )
@@ -145,4 +145,4 @@ def how(walk: Summary) -> str:
         return f"falls after {walk.fall.time:.1f} s"
     if follows(walk):
         return "walks"
-    return f"is {1e3 * walk.stages[-1].vx_error:+.0f} mm/s off"
+    return f"walks {1e3 * walk.stages[-1].vx_error:+.0f} mm/s off"

@@ -22,7 +22,7 @@ from gaitsmith.synthesis.gaits.unrolled import Samples, UnrolledGait
 from gaitsmith.synthesis.motions.biped import biped_from
 
 Array = npt.NDArray[np.float64]
-AVERAGED = 0.010  # s: the ZMP is that of the mean force over so long; a single tick's can be that of a newton
+_EVERY = 5  # ticks
 
 
 class Real(NamedTuple):
@@ -31,7 +31,7 @@ class Real(NamedTuple):
     Attributes:
         run: the run.
         time: (n,) s.
-        zmp, com: (n, 2) real, world, m; the ZMP is that of the mean force around the instant, NaN in the air.
+        zmp, com: (n, 2) real, world, m; the ZMP is NaN in the air.
         plan: the plan at these instants.
         zmp_inside, com_inside: (n,) how far they are inside the planned support polygon, m.
     """
@@ -50,18 +50,12 @@ class _Seen:
 
     def __init__(self, simulation: Simulation) -> None:
         self._plant, self.rows = simulation.plant, list[tuple[float, ...]]()
-        self._seen: list[tuple[float, ...]] = []
 
     def observe(self, tick: int) -> bool:
         """Take note of a tick; never ends the run."""
-        forces, com = self._plant.ground_forces(), self._plant.com[:2].tolist()
-        moments = (forces[:, 5] @ forces[:, :2]).tolist()
-        self._seen.append((self._plant.time, *moments, float(forces[:, 5].sum()), *com))
-        if self._seen[-1][0] - self._seen[0][0] < AVERAGED - 1e-9:
-            return False
-        time, x, y, force, *com = np.mean(self._seen, axis=0)
-        self._seen.clear()
-        self.rows.append((time, *((x / force, y / force) if force > 1.0 else (np.nan, np.nan)), *com))
+        if tick % _EVERY == 0:
+            zmp = self._plant.zmp() or (np.nan, np.nan)
+            self.rows.append((self._plant.time, *zmp, *self._plant.com[:2].tolist()))
         return False
 
     def hear(self, event: Mapping[str, Any]) -> None:

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from gaitsmith.reproduction.real import AVERAGED, Real
+from gaitsmith.reproduction.real import Real
 from gaitsmith.synthesis.gaits.support import contact_points, hull
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.view.canvas import COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, in_words, sole_corners
+from gaitsmith.view.canvas import COMMAND, GRID, LEFT, LIMIT, RIGHT, THIRD, above, figure, in_words, sole_corners
 from gaitsmith.view.gait_trace import GaitTrace
 from gaitsmith.view.sticks import draw_shots, draw_side
 
@@ -99,8 +99,8 @@ def swing_joints(trace: GaitTrace) -> Figure:
 def real_zmp(parts: Sequence[Real], names: Sequence[str], conditions: Sequence[str], title: str) -> Figure:
     """Figs. 6, 10, 12: real ZMP and CoG from above and over time, with the planned support polygons."""
     walked = "; ".join(f"{name}: {condition}" for name, condition in zip(names, conditions, strict=True))
-    means = f"ZMP: means over {1e3 * AVERAGED:.0f} ms; boxes: planned footprints; grey: support polygons"
-    with figure(f"{title}: real ZMP and CoG in closed loop", 10.0, f"{walked}; {means}") as made:
+    shown = f"{walked}; boxes: planned footprints; grey: support polygons"
+    with figure(f"{title}: real ZMP and CoG in closed loop", 10.0, shown) as made:
         grid = made.subplots(4, len(parts), squeeze=False, height_ratios=(2.2, 1.2, 1.2, 1.2))
         for column, (real, name) in enumerate(zip(parts, names, strict=True)):
             _plane(grid[0][column], real)
@@ -117,7 +117,7 @@ def _plane(axes: Axes, real: Real) -> None:
     robot, biped = real.run.robot, biped_from(real.run.robot)
     for phase in dict.fromkeys(real.plan.phases):
         polygon = hull(contact_points(biped, phase))
-        axes.add_patch(Polygon(polygon, facecolor=LIMIT, alpha=0.2, edgecolor="none", zorder=0))
+        axes.add_patch(Polygon(polygon, facecolor=GRID, edgecolor="none", zorder=0))
         for leg, colour, side in ((0, LEFT, "left"), (1, RIGHT, "right")):
             place = phase.place(side)  # type: ignore[arg-type]
             if place is not None:

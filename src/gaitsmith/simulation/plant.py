@@ -30,7 +30,15 @@ from gaitsmith.simulation.truth import (
     track,
 )
 from gaitsmith.simulation.world import PlantError as PlantError
-from gaitsmith.simulation.world import add_ground, build, change_masses, let_legs_pass, set_options, shift_mass
+from gaitsmith.simulation.world import (
+    add_ground,
+    build,
+    change_masses,
+    contact_forces,
+    let_legs_pass,
+    set_options,
+    shift_mass,
+)
 
 _MOST_WARNINGS = 100
 
@@ -107,6 +115,7 @@ class Plant:
         self._model, self._contact_at, self._imu_at = build(spec, robot, frictions, len(props))
         self._n_bodies = self._imu_at - self._contact_at - 3 * len(robot.legs) - 1
         self._data = data = mujoco.MjData(self._model)
+        self._scratch = mujoco.MjData(self._model)
         self.q: npt.NDArray[np.float64] = data.qpos[: robot.model.nq]
         self.v: npt.NDArray[np.float64] = data.qvel[: robot.model.nv]
         self.torso_rotation: npt.NDArray[np.float64] = data.xmat[robot.torso_body].reshape(3, 3)
@@ -317,16 +326,7 @@ class Plant:
 
     def ground_forces(self) -> npt.NDArray[np.float64]:
         """(n, 6) place (world, m) and force on the robot (world axes, N) of every contact of robot and ground."""
-        found, force = [], np.zeros(6)
-        for index, contact in enumerate(self._data.contact[: self._data.ncon]):
-            first, second = self._model.geom_bodyid[contact.geom]
-            if min(first, second) == 0 and max(first, second) < self._robot.model.nbody:
-                mujoco.mj_contactForce(self._model, self._data, index, force)
-                # The contact frame's first axis points from the first body to the second.
-                found.append(
-                    (*contact.pos, *((1.0 if first == 0 else -1.0) * contact.frame.reshape(3, 3).T @ force[:3]))
-                )
-        return np.array(found).reshape(-1, 6)
+        return contact_forces(self._model, self._data, self._scratch, self._robot.model.nbody)
 
     def zmp(self) -> tuple[float, float] | None:
         """Centre of the vertical forces between robot and ground, world, m; None in the air."""

@@ -130,3 +130,22 @@ def change_masses(
     model.body_mass[:bodies] *= factors
     model.body_inertia[:bodies] *= factors[:, None]
     mujoco.mj_setConst(model, data)
+
+
+def contact_forces(
+    model: mujoco.MjModel, now: mujoco.MjData, data: mujoco.MjData, bodies: int
+) -> npt.NDArray[np.float64]:
+    """(n, 6) place (world, m) and force (world axes, N) of the ground's contacts with bodies 1 to ``bodies - 1``.
+
+    After a step the engine knows the contacts of ``now``, but the forces of those before: ``data`` is used for both.
+    """
+    mujoco.mj_copyData(data, model, now)
+    mujoco.mj_forward(model, data)
+    found, force = [], np.zeros(6)
+    for index, contact in enumerate(data.contact[: data.ncon]):
+        first, second = model.geom_bodyid[contact.geom]
+        if min(first, second) == 0 and max(first, second) < bodies:
+            mujoco.mj_contactForce(model, data, index, force)
+            # The contact frame's first axis points from the first body to the second.
+            found.append((*contact.pos, *((1.0 if first == 0 else -1.0) * contact.frame.reshape(3, 3).T @ force[:3])))
+    return np.array(found).reshape(-1, 6)
