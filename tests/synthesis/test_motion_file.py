@@ -70,7 +70,7 @@ def test_an_instant_may_be_that_of_another(tmp_path, biped):
         ('name = "own"', 'name = "own walk"', "name: .*text that matches"),
         ('name = "own"', 'name = "own"\nstanding_height = 9', "standing_height"),
         ("standing = true", 'standing = "yes"', r"conditions\[0\].standing: got 'yes', expected true or false"),
-        ("standing = true", "", r"conditions\[0\].*standing, rest, same_as, unloaded or values"),
+        ("standing = true", "", r"conditions\[0\].*standing, rest, steady, same_as, unloaded, values or joints"),
         ("standing = true", 'after = "a"\nsame_as = "a"', r"conditions\[0\].same_as"),
         ("standing = true", "values = { toe = 1.0 }", r"conditions\[0\].values.toe"),
         (REST, "[settings.bounds]\nfriction = 9\n", "settings.bounds.friction: got 9, .*up to 5"),

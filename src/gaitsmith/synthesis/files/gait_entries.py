@@ -14,7 +14,19 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, Piece
 from gaitsmith.synthesis.motions.contacts import check_contacts
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, Same, State, Unloaded
+from gaitsmith.synthesis.motions.motion import (
+    JOINT_QUANTITIES,
+    QUANTITIES,
+    At,
+    Condition,
+    Limit,
+    Motion,
+    Phase,
+    Same,
+    State,
+    Unloaded,
+    of_joint,
+)
 from gaitsmith.synthesis.motions.settings import Bounds
 
 Array = npt.NDArray[np.float64]
@@ -25,8 +37,8 @@ _CLOCK = 1e-6  # s by which times may disagree
 
 
 def _quantity(name: str) -> str:
-    if name not in QUANTITIES:
-        raise ValueError(f"one of {', '.join(QUANTITIES)}")
+    if name not in QUANTITIES and of_joint(name) is None:
+        raise ValueError(f"one of {', '.join(QUANTITIES)}, or a joint's name with .{', .'.join(JOINT_QUANTITIES)}")
     return name
 
 
@@ -87,7 +99,7 @@ class _PhaseEntry(Parameters):
     other_height: Height = 0.0
     heading: Heading = 0.0
     other_heading: Heading = 0.0
-    limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=len(QUANTITIES))]
+    limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=1000)]
     sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
 
 
@@ -110,6 +122,7 @@ class _Same(Parameters):
     kind: Literal["same"]
     border: _Border
     other: _Border
+    mirrored: bool = False
 
 
 class _Unloaded(Parameters):
@@ -156,6 +169,8 @@ def gait_from(document: dict[str, Any]) -> Gait:
     for index, item in enumerate(entries.phases):
         groups.append(_pieces(item, f"phases[{index}].sections", clock, len(joints)))
         limits = tuple(limit.limit(limit.quantity) for limit in item.limits)
+        for k, limit in enumerate(limits):
+            _check_joint(limit.quantity, joints, f"phases[{index}].limits[{k}].quantity")
         where = (item.support, item.contact, item.foothold, item.other_foothold)
         more = item.height, item.other_height, item.heading, item.other_heading
         phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits, *more))
@@ -164,8 +179,7 @@ def gait_from(document: dict[str, Any]) -> Gait:
         raise BadInput("phases", f"{clock:.6g} s", f"at most {LONGEST:g} s in all")
     check_contacts(tuple(phases), entries.cyclic, ("foothold", "other_foothold"))
     conditions = tuple(
-        _condition(item, f"conditions[{index}]", len(phases), len(joints))
-        for index, item in enumerate(entries.conditions)
+        _condition(item, f"conditions[{index}]", len(phases), joints) for index, item in enumerate(entries.conditions)
     )
     return Gait(
         robot=entries.robot,
@@ -180,7 +194,14 @@ def gait_from(document: dict[str, Any]) -> Gait:
     )
 
 
-def _condition(entry: dict[str, Any], field: str, borders: int, joints: int) -> Condition:
+def _check_joint(quantity: str, joints: Sequence[str], field: str) -> None:
+    """Refuse a quantity of a joint that is not there."""
+    found = of_joint(quantity)
+    if found is not None and found[0] not in joints:
+        raise BadInput(field, found[0], f"one of the joints: {', '.join(joints)}")
+
+
+def _condition(entry: dict[str, Any], field: str, borders: int, joints: Sequence[str]) -> Condition:
     """A condition of the kind that its entry names."""
     kind = entry.get("kind")
     if not isinstance(kind, str) or kind not in _CONDITIONS:
@@ -190,17 +211,18 @@ def _condition(entry: dict[str, Any], field: str, borders: int, joints: int) -> 
         if getattr(item, name, 0) > borders:
             raise BadInput(f"{field}.{name}", getattr(item, name), f"a whole number from 0 to {borders}")
     if isinstance(item, _Value):
+        _check_joint(item.quantity, joints, f"{field}.quantity")
         return At(item.border, item.quantity, item.value)
     if isinstance(item, _Same):
-        return Same(item.border, item.other)
+        return Same(item.border, item.other, item.mirrored)
     if isinstance(item, _Unloaded):
         return Unloaded(item.border)
     assert isinstance(item, _State)
     found: dict[str, Array | None] = {}
     for name in ("position", "velocity", "acceleration"):
         values = getattr(item, name)
-        if values is not None and len(values) != joints:
-            raise BadInput(f"{field}.{name}", f"{len(values)} numbers", f"{joints}, one a joint, or null")
+        if values is not None and len(values) != len(joints):
+            raise BadInput(f"{field}.{name}", f"{len(values)} numbers", f"{len(joints)}, one a joint, or null")
         found[name] = None if values is None else np.array(values, dtype=np.float64)
     return State(item.border, **found)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,8 @@ from gaitsmith.synthesis.motions.motion import At, Condition, Motion, Phase, Sam
 from gaitsmith.synthesis.motions.settings import Settings
 
 PHASES, SECTIONS = 60, 120  # of a motion
+_T = TypeVar("_T")
+_OfJoint = Literal["angle", "velocity", "acceleration", "torque"]
 Array = npt.NDArray[np.float64]
 
 
@@ -44,6 +47,7 @@ class _PhaseText(Parameters):
     other_heading: Heading = 0.0
     sections: Annotated[int, Field(ge=1, le=20)] = 1
     limits: dict[QuantityName, _Range] = Field(default_factory=dict)
+    joints: dict[Name, dict[_OfJoint, _Range]] = Field(default_factory=dict)
 
 
 class _ConditionText(Parameters):
@@ -52,9 +56,12 @@ class _ConditionText(Parameters):
     after: str | None = None
     rest: bool = False
     standing: bool = False
+    steady: bool = False
     same_as: str | None = None
+    mirrored: bool = False
     unloaded: bool = False
     values: dict[QuantityName, Amount] = Field(default_factory=dict)
+    joints: dict[Name, dict[_OfJoint, Amount]] = Field(default_factory=dict)
 
 
 class MotionText(Parameters):
@@ -100,7 +107,7 @@ def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
     sections = sum(phase.sections for phase in text.phases)
     if sections > SECTIONS:
         raise BadInput("phases", f"{sections} sections", f"at most {SECTIONS} sections in all phases together")
-    phases = tuple(map(_phase, text.phases))
+    phases = tuple(_phase(item, biped, f"phases[{k}].joints") for k, item in enumerate(text.phases))
     check_contacts(phases, text.cyclic, ("support_at", "other_at"))
     _check_footholds(phases, biped, gap)
     rest = None
@@ -108,7 +115,7 @@ def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
         rest = _standing(biped, text.standing_height)
     conditions: list[Condition] = []
     for index, item in enumerate(text.conditions):
-        conditions += _conditions(item, f"conditions[{index}]", names, rest, biped.joints)
+        conditions += _conditions(item, f"conditions[{index}]", names, rest, biped)
     return Motion(text.name, phases, tuple(conditions), text.cyclic)
 
 
@@ -119,8 +126,17 @@ def _standing(biped: Biped, height: float | None) -> Array:
         raise BadInput("standing_height", error.value, error.valid, error.remedy) from None
 
 
-def _phase(item: _PhaseText) -> Phase:
-    limits = tuple(value.limit(name) for name, value in item.limits.items())
+def _of_joints(given: Mapping[str, Mapping[_OfJoint, _T]], biped: Biped, field: str) -> dict[str, _T]:
+    """What is said of joints by name, by quantity."""
+    for name in given:
+        if name not in biped.names:
+            raise BadInput(field, name, f"a joint that moves: {', '.join(biped.names)}", "--free NAME lets one move")
+    return {f"{name}.{what}": value for name, items in given.items() for what, value in items.items()}
+
+
+def _phase(item: _PhaseText, biped: Biped, field: str) -> Phase:
+    every = item.limits | _of_joints(item.joints, biped, field)
+    limits = tuple(value.limit(name) for name, value in every.items())
     where = (item.support, item.contact, item.support_at, item.other_at)
     more = item.support_height, item.other_height, item.heading, item.other_heading
     return Phase(item.name, item.duration, *where, item.sections, limits, *more)
@@ -143,21 +159,30 @@ def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> Non
                 raise BadInput(f"phases[{index}].other_at", f"left sole {apart:.4g} m left of the right", valid, remedy)
 
 
-def _conditions(item: _ConditionText, field: str, names: list[str], rest: Array | None, joints: int) -> list[Condition]:
+def _conditions(
+    item: _ConditionText, field: str, names: list[str], rest: Array | None, biped: Biped
+) -> list[Condition]:
     """What one entry asks for."""
     border = _border(item.after, names, f"{field}.after")
-    found: list[Condition] = [At(border, quantity, value) for quantity, value in item.values.items()]
-    if item.rest or item.standing:
-        found.append(State(border, rest if item.standing else None, np.zeros(joints)))
+    values = item.values | _of_joints(item.joints, biped, f"{field}.joints")
+    found: list[Condition] = [At(border, quantity, value) for quantity, value in values.items()]
+    if item.rest or item.standing or item.steady:
+        still, smooth = np.zeros(biped.joints), item.standing or item.steady
+        found.append(State(border, rest if item.standing else None, still, still if smooth else None))
     if item.same_as is not None:
         other = _border(item.same_as, names, f"{field}.same_as")
         if other == border:
             raise BadInput(f"{field}.same_as", item.same_as, "another instant than the condition's own")
-        found.append(Same(border, other))
+        whole = biped.whole
+        if item.mirrored and not (biped.symmetric and np.allclose(whole.mirrored(biped.home), biped.home)):
+            raise BadInput(f"{field}.mirrored", True, "a robot that is its own mirror image")
+        found.append(Same(border, other, item.mirrored))
+    elif item.mirrored:
+        raise BadInput(f"{field}.mirrored", True, "same_as beside it, the instant whose mirror image is meant")
     if item.unloaded:
         found.append(Unloaded(border))
     if not found:
-        raise BadInput(field, "nothing to hold", "standing, rest, same_as, unloaded or values")
+        raise BadInput(field, "nothing to hold", "standing, rest, steady, same_as, unloaded, values or joints")
     return found
 
 

@@ -11,12 +11,13 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.splines.polynomial import polynomial as polynomial
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State, turned
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State, of_joint, turned
 
 Array = npt.NDArray[np.float64]
 _BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded
 LEAN_DEGREE = 14
 """Of the polynomials of a line sole's lean: no joint drives it, and its equation of motion has to hold."""
+_Image = tuple[tuple[str, ...], npt.NDArray[np.int64], Array]  # names of joints, partners and signs in the mirror
 CHANNELS = 12  # left force, left moment, right force, right moment
 _PLACES = ("ankle", "sole", "toe", "heel")  # what has a place in the world
 
@@ -174,6 +175,7 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
         return (held[0] + x, held[1] + y)
 
     phases, away = [], []
+    image = gait.joint_names, partner, sign
     for phase in gait.motion.phases:
         stand = placed(phase.foothold)
         away.append((stand[0] - phase.foothold[0], stand[1] - flip * phase.foothold[1], dz))
@@ -182,7 +184,7 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
             support=phase.other_foot if mirror else phase.support,
             foothold=stand,
             other=None if phase.other is None else placed(phase.other),
-            limits=tuple(_moved_limit(limit, away[-1], flip) for limit in phase.limits),
+            limits=tuple(_moved_limit(limit, away[-1], flip, image) for limit in phase.limits),
             height=phase.height + dz,
             other_height=phase.other_height + dz,
             heading=flip * phase.heading + turn,
@@ -200,34 +202,44 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
             moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench, lean))
         pieces.append(tuple(moved))
-    conditions = tuple(
-        _moved(item, away[max(item.border - 1, 0)], flip, partner, sign) for item in gait.motion.conditions
-    )
+    conditions = tuple(_moved(item, away[max(item.border - 1, 0)], flip, image) for item in gait.motion.conditions)
     motion = replace(gait.motion, phases=tuple(phases), conditions=conditions)
     return replace(gait, motion=motion, pieces=tuple(pieces))
 
 
-def _moved(
-    item: Condition, away: tuple[float, float, float], flip: float, partner: npt.NDArray[np.int64], sign: Array
-) -> Condition:
+def _moved(item: Condition, away: tuple[float, float, float], flip: float, image: _Image) -> Condition:
     """A condition in another place, and in the mirror image if ``flip`` is -1."""
     if isinstance(item, At):
-        return replace(item, value=moved_value(item.quantity, item.value, away, flip))
+        quantity, factor = _imaged(item.quantity, flip, image)
+        return replace(item, quantity=quantity, value=moved_value(quantity, factor * item.value, away, flip))
     if isinstance(item, State) and flip < 0.0:
+        _, partner, sign = image
         states = (item.position, item.velocity, item.acceleration)
         return State(item.border, *(None if values is None else values[partner] * sign for values in states))
     return item
 
 
+def _imaged(quantity: str, flip: float, image: _Image) -> tuple[str, float]:
+    """The same quantity of the joint that takes its joint's place in the mirror image, and the value's factor."""
+    joint = of_joint(quantity)
+    if joint is None or flip > 0.0:
+        return quantity, 1.0
+    names, partner, sign = image
+    place = int(partner[names.index(joint[0])])
+    return f"{names[place]}.{joint[1]}", float(sign[place])
+
+
 def moved_value(quantity: str, value: float, away: tuple[float, float, float], flip: float) -> float:
-    """A quantity's value in another place, and in the mirror image if ``flip`` is -1."""
+    """A quantity's value in another place, and in the mirror image if ``flip`` is -1; a joint's stays."""
+    if of_joint(quantity) is not None:
+        return value
     part, axis, _ = QUANTITIES[quantity]
     turned = axis != 1 if part in ("foot", "torso") else axis == 1  # roll and yaw, and y, change sign
     return value * (flip if turned else 1.0) + (away[axis] if part in _PLACES else 0.0)
 
 
-def _moved_limit(limit: Limit, away: tuple[float, float, float], flip: float) -> Limit:
+def _moved_limit(limit: Limit, away: tuple[float, float, float], flip: float, image: _Image) -> Limit:
     """Bounds in another place, and in the mirror image if ``flip`` is -1."""
-    return Limit(
-        limit.quantity, *sorted(moved_value(limit.quantity, value, away, flip) for value in (limit.low, limit.high))
-    )
+    quantity, factor = _imaged(limit.quantity, flip, image)
+    ends = (moved_value(quantity, factor * value, away, flip) for value in (limit.low, limit.high))
+    return Limit(quantity, *sorted(ends))

@@ -44,6 +44,27 @@ QUANTITIES: dict[str, Quantity] = {
 }
 
 
+JOINT_QUANTITIES = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s²", "torque": "N·m"}
+"""What of a joint a motion may bound or fix, as the quantity ``NAME.angle``, and in which unit."""
+
+
+def of_joint(quantity: str) -> tuple[str, str] | None:
+    """The joint, and what of it, that a quantity is about; None for one of :data:`QUANTITIES`."""
+    name, _, what = quantity.rpartition(".")
+    return (name, what) if name and what in JOINT_QUANTITIES else None
+
+
+def unit_of(quantity: str) -> str:
+    """Of a quantity's value; rad where its sine is counted."""
+    joint = of_joint(quantity)
+    return QUANTITIES[quantity].unit if joint is None else JOINT_QUANTITIES[joint[1]]
+
+
+def by_sine(quantity: str) -> bool:
+    """Whether the value of a quantity is the sine of an angle."""
+    return of_joint(quantity) is None and QUANTITIES[quantity].unit == "rad"
+
+
 def turned(point: tuple[float, float], angle: float) -> tuple[float, float]:
     """A vector (x, y) turned to the left by an angle, rad."""
     cos, sin = math.cos(angle), math.sin(angle)
@@ -63,10 +84,10 @@ def opposite(side: Side) -> Side:
 
 @dataclass(frozen=True)
 class Limit:
-    """Bounds on a quantity of the other foot or the torso during a phase; m, m/s or the sine of an angle.
+    """Bounds on a quantity of the other foot, the torso or a joint during a phase; of feet and torso sines of angles.
 
     Positions are those of :attr:`Phase.straight`: the world's, turned about the support sole if that is turned.
-    ``quantity`` is one of :data:`QUANTITIES`.
+    ``quantity`` is one of :data:`QUANTITIES`, or ``NAME.angle``, ``NAME.torque``, …, as in :data:`JOINT_QUANTITIES`.
     """
 
     quantity: str
@@ -177,10 +198,11 @@ class State:
 
 @dataclass(frozen=True)
 class Same:
-    """The joint angles at two borders are equal."""
+    """The joint angles at two borders are equal, or those at one are the mirror image of those at the other."""
 
     border: int
     other: int
+    mirrored: bool = False
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Motion, Phase, Same, State, about_vertical, turned
-from gaitsmith.synthesis.program.bounds import Form, Kind, quantity_form
+from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State, about_vertical, of_joint, turned, unit_of
+from gaitsmith.synthesis.program.bounds import Form, Kind, joint_form, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
@@ -175,16 +175,28 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
                     matrix = trans.state_rows(condition.border, derivative)[: len(values)]
                     rows.add_linear(label, matrix * scale, values * scale)
         elif isinstance(condition, Same):
+            biped = trans.biped
             label = Label(f"the posture of border {condition.other}", "rad", index, time, 1.0)
-            matrix = trans.state_rows(condition.border, 0) - trans.state_rows(condition.other, 0)
-            n = trans.biped.joints
-            rows.add_linear(label, _compressed(matrix[:n]), np.zeros(n))
+            there = trans.state_rows(condition.other, 0)[: biped.joints]
+            if condition.mirrored:
+                there = there[biped.partner].multiply(biped.sign[:, None])
+            matrix = trans.state_rows(condition.border, 0)[: biped.joints] - there
+            rows.add_linear(label, _compressed(matrix), np.zeros(biped.joints))
+        elif isinstance(condition, At) and of_joint(condition.quantity) is not None:
+            out, inp, span = joint_form(trans.biped, motion.phases[index], condition.quantity)
+            unit, point = unit_of(condition.quantity), _point(points, index, time)
+            label = Label(condition.quantity, unit, index, time, span, kind=Kind.REQUEST, exact=True)
+            outs, inps = (
+                {point * count + k: factor / span for k, factor in form.items()}
+                for form, count in ((out, trans.layout.outputs), (inp, trans.layout.inputs))
+            )
+            rows.add(label, condition.value / span, condition.value / span, outs, inp=inps)
         elif isinstance(condition, At):
             form, constant = quantity_form(trans.biped, motion.phases[index], condition.quantity)
             point = _point(points, index, time)
             base = point * trans.layout.outputs
             value = condition.value - constant
-            unit = QUANTITIES[condition.quantity].unit
+            unit = unit_of(condition.quantity)
             label = Label(condition.quantity, unit, index, time, 1.0, constant, unit == "rad", Kind.REQUEST, True)
             rows.add(label, value, value, {base + k: factor for k, factor in form.items()})
     if motion.cyclic:

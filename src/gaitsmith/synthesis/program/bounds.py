@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase
+from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, of_joint, unit_of
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import layout_of
 
@@ -120,6 +120,27 @@ def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, floa
     along = (layout.foot_forward, layout.foot_yaw, layout.foot_pitch)[axis]
     turn = {along: reach * (-1.0 if axis == 2 else sign)} if reach else {}
     return {layout.pivot + axis: sign} | turn, origin - float(pivot[1]) * (axis == 1)
+
+
+def joint_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, Form, float]:
+    """Forms in the outputs and in the inputs that give a quantity of a joint, and the range that it may take."""
+    layout, robot = layout_of(biped), biped.robot
+    name, what = of_joint(quantity) or ("", "")
+    joint = biped.names.index(name)
+    local = int(biped.partner[joint]) if phase.side < 0 else joint
+    sign = float(biped.sign[joint]) if phase.side < 0 else 1.0
+    place = int(biped.index[joint])
+    fast = 2.0 * float(robot.velocity_limit[place])
+    span = {
+        "angle": float(robot.position_high[place] - robot.position_low[place]),
+        "velocity": fast,
+        "acceleration": fast / biped.fall_time,
+        "torque": 2.0 * float(robot.torque_limit[place]),
+    }[what]
+    if what == "torque":
+        return {layout.torque + local: sign}, {}, span
+    first = {"angle": layout.position, "velocity": layout.velocity, "acceleration": layout.acceleration}[what]
+    return {}, {first + local: sign}, span
 
 
 def _sine(name: str, form: Form, low: float, high: float, span: float, interior: bool = False) -> PhaseBound:
@@ -294,8 +315,12 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
         found.append(_sine(f"torso {name}", form, -tilt, tilt, 2 * tilt))
     found += _foot_bounds(biped, bounds, motion, index)
     for limit in phase.limits:
+        unit = unit_of(limit.quantity)
+        if of_joint(limit.quantity) is not None:
+            out, inp, span = joint_form(biped, phase, limit.quantity)
+            found.append(PhaseBound(Kind.REQUEST, limit.quantity, unit, out, inp, limit.low, limit.high, span))
+            continue
         form, constant = quantity_form(biped, phase, limit.quantity)
-        unit = QUANTITIES[limit.quantity].unit
         within = (limit.low, limit.high, biped.height, constant)
         found.append(PhaseBound(Kind.REQUEST, limit.quantity, unit, form, {}, *within, sine=unit == "rad"))
     return found

@@ -12,7 +12,7 @@ from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import At, Condition, Same, State, Unloaded, about_vertical
-from gaitsmith.synthesis.proof.definitions import CONDITION, quantity
+from gaitsmith.synthesis.proof.definitions import allowed_of, quantity
 from gaitsmith.synthesis.proof.measured import Errors, larger, measure
 
 Array = npt.NDArray[np.float64]
@@ -36,24 +36,27 @@ def conditions(gait: Gait, biped: Biped, finder: StateFinder) -> list[tuple[str,
         if isinstance(item, At):
             numbers = measure(gait, biped, finder, index, time, Errors())
             value = float(quantity(numbers, biped, gait.motion.phases[index], item.quantity)[0])
-            found.append((item.quantity, item.value, value, CONDITION))
+            found.append((item.quantity, item.value, value, allowed_of(biped, item.quantity)))
         elif isinstance(item, Unloaded):
             wrench, phase = gait.wrenches(index, time)[:, 0], gait.motion.phases[index]
             most = float(np.abs(wrench[:6] if phase.support == "right" else wrench[6:]).max()) / biped.weight
             found.append((f"load of the {phase.other_foot} foot at border {item.border}", 0.0, most, _LOAD))
         else:
-            found += _states(gait, item, gait.joints(index, time))
+            found += _states(gait, biped, item, gait.joints(index, time))
     return found
 
 
-def _states(gait: Gait, item: Condition, here: tuple[Array, Array, Array]) -> list[tuple[str, float, float, float]]:
+def _states(
+    gait: Gait, biped: Biped, item: Condition, here: tuple[Array, Array, Array]
+) -> list[tuple[str, float, float, float]]:
     """Every joint of a condition on all of them."""
     wanted: dict[str, Array] = {}
     if isinstance(item, State):
         wanted = {name: values for name in _STATES if (values := getattr(item, name)) is not None}
     elif isinstance(item, Same):
         before = max(item.other - 1, 0)
-        wanted = {"position": gait.joints(before, gait.motion.borders[[item.other]])[0][:, 0]}
+        there = gait.joints(before, gait.motion.borders[[item.other]])[0][:, 0]
+        wanted = {"position": biped.mirrored(there) if item.mirrored else there}
     found = []
     for name, values in wanted.items():
         real = here[_STATES.index(name)][:, 0]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Side
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Side, by_sine, of_joint, unit_of
 
 LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something
 ROUNDING = 1e-9  # share of a bound's range: the resolution of a file's numbers
@@ -31,7 +31,7 @@ class Measured:
     """A phase's motion and forces, of any kind of number, in the world of :attr:`Phase.straight`.
 
     Attributes:
-        q, v, torque, rate: [joint] rad, rad/s, N·m, N·m/s.
+        q, v, a, torque, rate: [joint] rad, rad/s, rad/s², N·m, N·m/s.
         moving: [joint] whether it moves.
         force, moment: [3] on the support sole, about its frame's origin, N and N·m.
         push, turn: [3] on the other sole, about the point that it turns about (its origin if flat).
@@ -44,6 +44,7 @@ class Measured:
 
     q: Any
     v: Any
+    a: Any
     torque: Any
     rate: Any
     moving: Any
@@ -121,9 +122,11 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
     items.append(_angle("torso yaw", found.torso[1, 0] * toward, bounds["torso_yaw"], feet))
     items += _foot(found, biped, bounds, motion, index)
     for limit in phase.limits:
-        value, unit = quantity(found, biped, phase, limit.quantity), QUANTITIES[limit.quantity].unit
-        bound = Bound(limit.quantity, unit, value, limit.low, limit.high, tall, sine=unit == "rad")
-        items.append(replace(bound, allowed=CONDITION / tall) if _meets(limit, motion, index) else bound)
+        value, unit = quantity(found, biped, phase, limit.quantity), unit_of(limit.quantity)
+        span = range_of(biped, limit.quantity)
+        bound = Bound(limit.quantity, unit, value, limit.low, limit.high, span, sine=by_sine(limit.quantity))
+        allowed = allowed_of(biped, limit.quantity) / span
+        items.append(replace(bound, allowed=allowed) if _meets(limit, motion, index) else bound)
     return items
 
 
@@ -136,6 +139,26 @@ def _meets(limit: Limit, motion: Motion, index: int) -> bool:
         and min(abs(item.value - limit.low), abs(item.value - limit.high)) <= CONDITION
         for item in motion.conditions
     )
+
+
+def range_of(biped: Biped, name: str) -> float:
+    """What violations of a limit on a quantity are relative to: the robot's height, or what a joint's card allows."""
+    joint, robot = of_joint(name), biped.robot
+    if joint is None:
+        return biped.height
+    k = robot.joint_names.index(joint[0])
+    fast = 2.0 * float(robot.velocity_limit[k])
+    return {
+        "angle": float(robot.position_high[k] - robot.position_low[k]),
+        "velocity": fast,
+        "acceleration": fast / biped.fall_time,
+        "torque": 2.0 * float(robot.torque_limit[k]),
+    }[joint[1]]
+
+
+def allowed_of(biped: Biped, name: str) -> float:
+    """By how much a condition on a quantity may be missed."""
+    return CONDITION * (1.0 if of_joint(name) is None else max(1.0, range_of(biped, name)))
 
 
 def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Iterator[Bound]:
@@ -264,7 +287,11 @@ def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
 
 
 def quantity(found: Measured, biped: Biped, phase: Phase, name: str) -> Any:
-    """A quantity of :data:`QUANTITIES`, in the world of :attr:`Phase.straight`; of angles the sine."""
+    """A quantity of a joint, or of :data:`QUANTITIES` in the world of :attr:`Phase.straight`, of angles the sine."""
+    joint = of_joint(name)
+    if joint is not None:
+        rows = {"angle": found.q, "velocity": found.v, "acceleration": found.a, "torque": found.torque}[joint[1]]
+        return rows[biped.robot.joint_names.index(joint[0])]
     part, axis, _ = QUANTITIES[name]
     if part in ("foot", "torso"):
         rotation = found.rotation if part == "foot" else found.torso

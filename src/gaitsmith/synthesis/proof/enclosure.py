@@ -194,7 +194,7 @@ def _measured(
     hip = torso.place + torso.rotation.by(robot.hip_midpoint)
     force, moment = both[phase.support]
     found = Measured(
-        *(states[0], states[1], *torques, gait.moving),
+        *(*states, *torques, gait.moving),
         *(force, moment, push, turn - cross(rotation.by(pivot), push)),
         *(point(pivot)[0], rotation, torso.rotation, hip[2] - phase.height, ankle, ankle_speed),
         profile=lambda lifts, lands: _profile(clock, lifts, lands),

@@ -97,6 +97,7 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     return Measured(
         q,
         v,
+        a,
         torque,
         gait.torque_rates(index, times),
         gait.moving,

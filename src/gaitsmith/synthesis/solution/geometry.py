@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Phase, about_vertical, turned
+from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Phase, about_vertical, of_joint, turned, unit_of
 from gaitsmith.synthesis.program.bounds import quantity_form
 from gaitsmith.synthesis.program.transcription import Transcription
 
@@ -54,7 +54,9 @@ def out_of_reach(trans: Transcription) -> str:
 def _resting(trans: Transcription, neighbour: int, phase: Phase, quantity: str) -> float | None:
     """A quantity of the other foot as it lies flat in a neighbouring phase; None where it does not."""
     phases = trans.motion.phases
-    if phase.double or not 0 <= neighbour < len(phases) or QUANTITIES[quantity].part not in _PLACED:
+    if phase.double or not 0 <= neighbour < len(phases) or of_joint(quantity) is not None:
+        return None
+    if QUANTITIES[quantity].part not in _PLACED:
         return None
     place = phases[neighbour].place(phase.other_foot)
     if phases[neighbour].contact != "flat" or place is None:
@@ -72,6 +74,6 @@ def _resting(trans: Transcription, neighbour: int, phase: Phase, quantity: str) 
 
 
 def _excluded(limit: Limit, value: float, phase: Phase, what: str) -> str:
-    unit = QUANTITIES[limit.quantity].unit
+    unit = unit_of(limit.quantity)
     bound = f"at least {limit.low:.3g}" if value < limit.low else f"at most {limit.high:.3g}"
     return f"no solution: {limit.quantity} {value:.3g} {unit}, {what}, is not {bound} {unit} as {phase.name} demands"
