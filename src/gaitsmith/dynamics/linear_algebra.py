@@ -17,35 +17,33 @@ def factor_tree(a: Matrix, parent: IntVector, l: Matrix) -> bool:  # noqa: E741
     """Factor a = Lᵀ L.
 
     Args:
-        a: (n, n) symmetric; only its lower triangle is read.
+        a: (n, n) symmetric, zero where branches do not touch; only its lower triangle is read.
         parent: (n,) the degree of freedom before each on the way to the root, -1 if none.
-        l: (n, n) receives L, with the inverse of its diagonal; elsewhere than on the branches nothing is written.
+        l: (n, :func:`~gaitsmith.compiled.lanes.padded` n) receives L, with the inverse of its diagonal; above the
+            diagonal it holds nothing of use.
 
     Returns:
         False if ``a`` is not positive definite or holds a NaN; ``l`` is then useless.
     """
     n = parent.shape[0]
     for k in range(n):
-        i = k
-        while i >= 0:
+        for i in range(k + 1):
             l[k, i] = a[k, i]
-            i = parent[i]
+        for i in range(k + 1, l.shape[1]):
+            l[k, i] = 0.0
     for k in range(n - 1, -1, -1):
         if not (l[k, k] > 0.0 and l[k, k] < math.inf):
             return False
         over = 1.0 / math.sqrt(l[k, k])
+        for c in range(0, k, LANES):
+            put(l, k, c, times(take(l, k, c), over))
+        i = parent[k]
+        while i >= 0:
+            share = -l[k, i]
+            for c in range(0, i + 1, LANES):
+                put(l, i, c, plus(take(l, i, c), share, take(l, k, c)))
+            i = parent[i]
         l[k, k] = over
-        i = parent[k]
-        while i >= 0:
-            l[k, i] *= over
-            i = parent[i]
-        i = parent[k]
-        while i >= 0:
-            j = i
-            while j >= 0:
-                l[i, j] -= l[k, i] * l[k, j]
-                j = parent[j]
-            i = parent[i]
     return True
 
 
@@ -56,17 +54,19 @@ def solve_tree(l: Matrix, parent: IntVector, b: Matrix, m: int) -> None:  # noqa
     ``b`` has :func:`~gaitsmith.compiled.lanes.padded` columns; those between m and the next multiple of eight are lost.
     """
     n = parent.shape[0]
-    for c in range(0, m, LANES):
-        for k in range(n - 1, -1, -1):
-            x = times(take(b, k, c), l[k, k])
-            put(b, k, c, x)
-            i = parent[k]
-            while i >= 0:
-                put(b, i, c, plus(take(b, i, c), -l[k, i], x))
-                i = parent[i]
-        for k in range(n):
+    for k in range(n - 1, -1, -1):
+        for c in range(0, m, LANES):
+            put(b, k, c, times(take(b, k, c), l[k, k]))
+        i = parent[k]
+        while i >= 0:
+            share = -l[k, i]
+            for c in range(0, m, LANES):
+                put(b, i, c, plus(take(b, i, c), share, take(b, k, c)))
+            i = parent[i]
+    for k in range(n):
+        above = parent[k]
+        for c in range(0, m, LANES):
             x = take(b, k, c)
-            above = parent[k]
             if above >= 0:  # comes last: it has just been found
                 i = parent[above]
                 while i >= 0:

@@ -1,7 +1,7 @@
-"""Costs of accelerations as costs of joint torques and sole wrenches, by ``q̈ = M⁻¹(Sᵀτ + Jᵀλ + τ_p - h)``.
+"""Tasks on accelerations as a cost of joint torques and sole wrenches, by ``q̈ = M⁻¹(Sᵀτ + Jᵀλ + τ_p - h)``.
 
-Tasks add up ½ q̈ᵀ W q̈ - cᵀ q̈, where the row of a joint is one number and that of a leg is zero outside it. With
-P = M⁻¹ W M⁻¹, r = τ_p - h and B = [Sᵀ Jᵀ], that is ½ xᵀ Bᵀ P B x + (P r - M⁻¹ c)ᵀ B x of the variables x = (τ, λ).
+That is q̈ = T x + t of the variables x = (τ, λ). Tasks ½ w (a q̈ - b)² add up to ½ xᵀ Yᵀ W Y x + (W (A t - b))ᵀ Y x with
+Y = A T; the row of a joint is one of T itself, that of a leg is zero outside it.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.compiled.lanes import LANES, none, padded, plus, put, take
+from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
+from gaitsmith.compiled.lanes import LANES, none, padded, plus, put, take, times
 from gaitsmith.dynamics.linear_algebra import factor_tree, solve_tree
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.whole_body.contact import WRENCH_SIZE, Contacts, transmits
@@ -20,35 +20,40 @@ from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.legs import Legs
 from gaitsmith.whole_body.reference import NONE
 
+ROWS, ROWS_OF_A_SOLE = 7, 7  # tasks at most: torso 3, centre of mass 3, hip height; pivot 3, turn 3, turn about its edge
+
 
 class Motion(NamedTuple):
-    """Dynamics and cost of one tick's accelerations; sizes are padded, see :mod:`gaitsmith.compiled.lanes`.
+    """Dynamics and tasks of one tick's accelerations; sizes are padded, see :mod:`gaitsmith.compiled.lanes`.
+
+    At most n variables and m tasks beside those of single joints.
 
     Attributes:
         factor: (nv, nv) of M.
-        inverse: (nv, nv) M⁻¹.
-        push: (6 n + 1, nv) generalised force per unit of each wrench variable of n soles; after the last one r, the
-            generalised force with all variables zero.
-        pull: (nv, 6 n) its transpose, without r.
-        cost: (nv, nv + 1) W, and c in the last column.
-        solved: (nv, nv + 1) M⁻¹ times that.
-        curvature: (nv, nv) P.
-        response: (6 n + 1, nv) ``push`` P; (P r - M⁻¹ c)ᵀ in the last row.
-        inner: (6 n + 1, 6 n) the same times ``pull``.
-        row: (nv,) one task's Jacobian.
+        response: (nv + 1, n + 1) T and, as the column after the last variable, t; below them a 1 in that column.
+        rows: (m, nv + 1) Jacobians A of the tasks, and -b.
+        weight: (m,) of the tasks.
+        target: (nj,) wanted acceleration of the joints.
+        joint_weight: (nj,) of these tasks.
+        reach: (m + nj, n + 1) Y and, as the column after the last variable, A t - b.
+        weighted: (m + nj, n + 1) the same times the weights.
+        cost: (n, n + 1) the QP's: H, from its diagonal on, and g.
+        spots: (nv + 1,) columns in which two rows are not both zero.
+        count: (1,) tasks so far.
         turn: (3,) a rotation's error, world axes, rad.
     """
 
     factor: Matrix
-    inverse: Matrix
-    push: Matrix
-    pull: Matrix
-    cost: Matrix
-    solved: Matrix
-    curvature: Matrix
     response: Matrix
-    inner: Matrix
-    row: Vector
+    rows: Matrix
+    weight: Vector
+    target: Vector
+    joint_weight: Vector
+    reach: Matrix
+    weighted: Matrix
+    cost: Matrix
+    spots: IntVector
+    count: IntVector
     turn: Vector
 
 
@@ -57,141 +62,170 @@ def variable_count(n_joints: int, n_soles: int) -> int:
     return n_joints + WRENCH_SIZE * n_soles
 
 
-def make_motion(nv: int, n_soles: int) -> Motion:
-    """Storage for a robot with ``nv`` degrees of freedom and ``n_soles`` soles."""
-    w = WRENCH_SIZE * n_soles + 1
-    sizes = ((nv, nv), (nv, nv), (w, nv), (nv, w), (nv, nv + 1), (nv, nv + 1), (nv, nv), (w, nv), (w, w))
-    return Motion(*[*(np.zeros((padded(m), padded(n))) for m, n in sizes), np.zeros(nv), np.zeros(3)])
+def make_motion(nv: int, n_joints: int, n_soles: int) -> Motion:
+    """Storage for a robot with ``nv`` degrees of freedom."""
+    n, m = variable_count(n_joints, n_soles), ROWS + ROWS_OF_A_SOLE * n_soles
+
+    def matrix(rows: int, columns: int) -> Matrix:
+        return np.zeros((padded(rows), padded(columns)))
+
+    return Motion(
+        factor=matrix(nv, nv),
+        response=matrix(nv + 1, n + 1),
+        rows=matrix(m, nv + 1),
+        weight=np.zeros(padded(m)),
+        target=np.zeros(n_joints),
+        joint_weight=np.zeros(n_joints),
+        reach=matrix(m + n_joints, n + 1),
+        weighted=matrix(m + n_joints, n + 1),
+        cost=matrix(n, n + 1),
+        spots=np.zeros(nv + 2, dtype=np.int64),
+        count=np.zeros(1, dtype=np.int64),
+        turn=np.zeros(3),
+    )
 
 
 @kernel
-def _add_passive(legs: Legs, q: Vector, v: Vector, rest: Vector) -> None:
+def _add_passive(legs: Legs, q: Vector, v: Vector, response: Matrix, column: int) -> None:
     """Add the torques of the joints' springs, damping and dry friction, whose sign is smooth: no joint chatters."""
     for j in range(legs.passive.shape[0]):
         speed = v[6 + j]
         torque = -legs.passive[j, 0] * (q[7 + j] - legs.passive[j, 1]) - legs.passive[j, 2] * speed
         torque -= legs.passive[j, 3] * speed / math.sqrt(speed * speed + legs.passive[j, 4] ** 2)
-        rest[6 + j] += torque
+        response[6 + j, column] += torque
+
+
+@kernel
+def _push(contacts: Contacts, legs: Legs, leg: int, nv: int, first: int, response: Matrix) -> int:
+    """Generalised force per unit of a sole's variables, columns from ``first`` on; returns the column after them."""
+    axes, jacobian, column = contacts.axes[leg], contacts.jacobian[leg], first
+    for axis in range(WRENCH_SIZE):
+        if not transmits(contacts.kind[leg], legs.half_width[leg], axis):
+            continue
+        row = 3 * (axis // 3)
+        x, y, z = axes[0, axis - row], axes[1, axis - row], axes[2, axis - row]
+        for k in range(nv):
+            response[k, column] = x * jacobian[row, k] + y * jacobian[row + 1, k] + z * jacobian[row + 2, k]
+        column += 1
+    return column
 
 
 @kernel
 def begin_motion(body: Body, contacts: Contacts, motion: Motion) -> int:
-    """Dynamics of this tick, no cost yet; returns the number of variables, or -1 if M is not positive definite."""
-    legs, nv, n_joints = body.legs, motion.row.shape[0], body.legs.torque_limit.shape[0]
-    n = 0
+    """Dynamics of this tick, no task yet; returns the number of variables, or -1 if M is not positive definite."""
+    legs, n_joints, response = body.legs, body.legs.torque_limit.shape[0], motion.response
+    nv, n = n_joints + 6, n_joints
+    for k in range(nv + 1):
+        for i in range(response.shape[1]):
+            response[k, i] = 0.0
+    for j in range(n_joints):
+        response[6 + j, j] = 1.0
+        motion.joint_weight[j] = 0.0
     for leg in range(contacts.kind.shape[0]):
-        contacts.first[leg] = n_joints + n
-        if contacts.kind[leg] == NONE:
-            continue
-        axes, jacobian = contacts.axes[leg], contacts.jacobian[leg]
-        for axis in range(WRENCH_SIZE):
-            if not transmits(contacts.kind[leg], legs.half_width[leg], axis):
-                continue
-            first = 3 * (axis // 3)
-            x, y, z = axes[0, axis - first], axes[1, axis - first], axes[2, axis - first]
-            for k in range(nv):
-                push = x * jacobian[first, k] + y * jacobian[first + 1, k] + z * jacobian[first + 2, k]
-                motion.push[n, k] = push
-                motion.pull[k, n] = push
-            n += 1
+        contacts.first[leg] = n
+        if contacts.kind[leg] != NONE:
+            n = _push(contacts, legs, leg, nv, n, response)
     for k in range(nv):
-        motion.push[n, k] = -body.state.bias[k]
-        for j in range(nv + 1):
-            motion.cost[k, j] = 0.0
-        for j in range(nv):
-            motion.inverse[k, j] = 0.0
-        motion.inverse[k, k] = 1.0
-    _add_passive(legs, body.q, body.v, motion.push[n])
+        response[k, n] = -body.state.bias[k]
+    response[nv, n] = 1.0
+    _add_passive(legs, body.q, body.v, response, n)
+    motion.count[0] = 0
     if not factor_tree(body.state.mass_matrix, body.tree.dof_parent, motion.factor):
         return -1
-    solve_tree(motion.factor, body.tree.dof_parent, motion.inverse, nv)
-    return int(n_joints + n)
+    solve_tree(motion.factor, body.tree.dof_parent, response, n + 1)
+    return int(n)
 
 
 @kernel
-def add_row(motion: Motion, target: float, weight: float) -> None:
-    """Add ``½ weight (motion.row q̈ - target)²`` to the cost."""
-    nv = motion.row.shape[0]
-    for i in range(nv):
-        if motion.row[i] != 0.0:
-            scaled = weight * motion.row[i]
-            for j in range(nv):
-                motion.cost[i, j] += scaled * motion.row[j]
-            motion.cost[i, nv] += scaled * target
+def next_row(motion: Motion) -> Vector:
+    """Jacobian of the next task, to be filled by the caller, (nv,) of use."""
+    return motion.rows[motion.count[0]]
 
 
 @kernel
-def add_joint(motion: Motion, dof: int, target: float, weight: float) -> None:
-    """The same for the acceleration of one degree of freedom."""
-    motion.cost[dof, dof] += weight
-    motion.cost[dof, motion.row.shape[0]] += weight * target
+def add_row(motion: Motion, nv: int, target: float, weight: float) -> None:
+    """Keep the next row as the task ``½ weight (row q̈ - target)²``."""
+    m = motion.count[0]
+    motion.rows[m, nv] = -target
+    motion.weight[m] = weight
+    motion.count[0] = m + 1
 
 
 @kernel
-def _multiply(factor: Matrix, other: Matrix, out: Matrix, rows: int, inner: int, columns: int) -> None:
-    """``out = factor other``, two rows at once."""
-    for half in range((rows + 1) // 2):
-        i = 2 * half
+def add_joint(motion: Motion, joint: int, target: float, weight: float) -> None:
+    """The same for the acceleration of one joint."""
+    motion.target[joint], motion.joint_weight[joint] = target, weight
+
+
+@kernel
+def _reach(motion: Motion, nv: int, columns: int) -> int:
+    """Y, two rows at once, by the columns of A in which they are not zero; returns its number of rows."""
+    rows, response, spots, m = motion.rows, motion.response, motion.spots, motion.count[0]
+    for half in range((m + 1) // 2):
+        i, found = 2 * half, 0
+        for k in range(nv + 1):
+            spots[found] = k
+            if rows[i, k] != 0.0 or rows[i + 1, k] != 0.0:
+                found += 1
         for c in range(0, columns, LANES):
             one, two = none(), none()
-            for k in range(inner):
-                line = take(other, k, c)
-                one, two = plus(one, factor[i, k], line), plus(two, factor[i + 1, k], line)
-            put(out, i, c, one)
-            put(out, i + 1, c, two)
+            for p in range(found):
+                k = spots[p]
+                line = take(response, k, c)
+                one, two = plus(one, rows[i, k], line), plus(two, rows[i + 1, k], line)
+            put(motion.reach, i, c, one)
+            put(motion.reach, i + 1, c, two)
+            put(motion.weighted, i, c, times(one, motion.weight[i]))
+            put(motion.weighted, i + 1, c, times(two, motion.weight[i + 1]))
+    for j in range(motion.target.shape[0]):
+        if motion.joint_weight[j] == 0.0:
+            continue
+        for c in range(0, columns, LANES):
+            line = plus(take(response, 6 + j, c), -motion.target[j], take(response, nv, c))
+            put(motion.reach, m, c, line)
+            put(motion.weighted, m, c, times(line, motion.joint_weight[j]))
+        m += 1
+    return int(m)
 
 
 @kernel
-def express_cost(motion: Motion, qp: QuadraticProgram, n_joints: int, n: int) -> None:
-    """Make the cost that of the QP's n variables: gradient and lower triangle of the Hessian."""
-    response, inner, nv, rest = motion.response, motion.inner, motion.row.shape[0], n - n_joints
-    _multiply(motion.inverse, motion.cost, motion.solved, nv, nv, nv + 1)
-    _multiply(motion.solved, motion.inverse, motion.curvature, nv, nv, nv)
-    _multiply(motion.push, motion.curvature, response, rest + 1, nv, nv)
-    for k in range(nv):
-        response[rest, k] -= motion.solved[k, nv]
-    _multiply(response, motion.pull, inner, rest + 1, nv, rest)
-    for i in range(n_joints):
-        qp.gradient[i] = response[rest, 6 + i]
-        for j in range(i + 1):
-            qp.hessian[i, j] = motion.curvature[6 + i, 6 + j]
-    for i in range(rest):
-        variable = n_joints + i
-        qp.gradient[variable] = inner[rest, i]
-        for j in range(n_joints):
-            qp.hessian[variable, j] = response[i, 6 + j]
-        for j in range(i + 1):
-            qp.hessian[variable, n_joints + j] = inner[i, j]
+def express_cost(motion: Motion, qp: QuadraticProgram, nv: int, n: int) -> None:
+    """Make the tasks a cost of the QP's n variables: Hessian and gradient."""
+    cost, m = motion.cost, _reach(motion, nv, n + 1)
+    for half in range((n + 1) // 2):
+        i = 2 * half
+        for c in range(i // LANES * LANES, n + 1, LANES):
+            one, two = none(), none()
+            for t in range(m):
+                line = take(motion.reach, t, c)
+                one, two = plus(one, motion.weighted[t, i], line), plus(two, motion.weighted[t, i + 1], line)
+            put(cost, i, c, one)
+            put(cost, i + 1, c, two)
+    for i in range(n):
+        qp.gradient[i] = cost[i, n]
+        for j in range(i):
+            qp.hessian[i, j] = cost[j, i]
+        for j in range(i, n):
+            qp.hessian[i, j] = cost[i, j]
 
 
 @kernel
-def accelerations(motion: Motion, x: Vector, n_joints: int, n: int, out: Vector) -> None:
-    """q̈ of the variables x, into ``out`` (nv,)."""
-    force, nv = motion.row, motion.row.shape[0]
-    for k in range(nv):
-        force[k], out[k] = motion.push[n - n_joints, k], 0.0
-    for j in range(n_joints):
-        force[6 + j] += x[j]
-    for j in range(n - n_joints):
-        share = x[n_joints + j]
-        for k in range(nv):
-            force[k] += share * motion.push[j, k]
-    for k in range(nv):
-        share = force[k]
-        for i in range(nv):
-            out[i] += share * motion.inverse[k, i]
+def accelerations(motion: Motion, x: Vector, n: int, out: Vector) -> None:
+    """q̈ of the n variables x, into ``out`` (nv,)."""
+    for k in range(out.shape[0]):
+        row = motion.response[k]
+        found, more = row[n], 0.0
+        for j in range(n // 2):
+            found += row[2 * j] * x[2 * j]
+            more += row[2 * j + 1] * x[2 * j + 1]
+        if n % 2 == 1:
+            found += row[n - 1] * x[n - 1]
+        out[k] = found + more
 
 
 @kernel
-def joint_row(motion: Motion, dof: int, n_joints: int, n: int, row: Vector) -> float:
-    """A degree of freedom's acceleration per unit of each variable, into ``row``; returns it with all of them zero."""
-    found = 0.0
-    for j in range(n_joints):
-        row[j] = motion.inverse[dof, 6 + j]
-    for j in range(n - n_joints + 1):
-        found = 0.0
-        for k in range(motion.row.shape[0]):
-            found += motion.inverse[dof, k] * motion.push[j, k]
-        if j < n - n_joints:
-            row[n_joints + j] = found
-    return found
+def joint_row(motion: Motion, joint: int, n: int, row: Vector) -> float:
+    """A joint's acceleration per unit of each of n variables, into ``row``; returns it with all of them zero."""
+    for j in range(n):
+        row[j] = motion.response[6 + joint, j]
+    return float(motion.response[6 + joint, n])

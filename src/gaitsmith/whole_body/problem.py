@@ -84,7 +84,7 @@ def make_whole_body(
         contacts=make_contacts(nv, n_soles),
         contact_bounds=contact_bounds,
         joint_bounds=joint_bounds,
-        motion=make_motion(nv, n_soles),
+        motion=make_motion(nv, n_joints, n_soles),
         program=make_quadratic_program(n, rows),
         solution=Solution(torque, wrench, np.zeros(nv), np.ones(1, dtype=np.int64), **counts),
     )

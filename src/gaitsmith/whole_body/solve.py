@@ -60,7 +60,7 @@ def _stop_rows(g: WholeBody, n: int, row: int) -> int:
         below = rate * rate * (legs.position_low[j] - angle) - speed
         if above > near and below < -near:
             continue
-        free = joint_row(g.motion, 6 + j, legs.position_low.shape[0], n, qp.rows[m])
+        free = joint_row(g.motion, j, n, qp.rows[m])
         qp.row_lower[m], qp.row_upper[m] = below - free, above - free
         qp.span[m, 0], qp.span[m, 1] = 0, n
         m += 1
@@ -98,16 +98,13 @@ def _assemble(g: WholeBody, tasks: TaskTable, n: int) -> int:
     add_torso(g, tasks)
     add_body(g, tasks)
     add_joints(g, tasks)
-    express_cost(g.motion, qp, g.solution.torque.shape[0], n)
+    express_cost(g.motion, qp, g.body.v.shape[0], n)
     _torque_bounds(g, tasks, n)
     m = 0
     for leg in range(contacts.kind.shape[0]):
         if contacts.kind[leg] != NONE:
             add_wrench(g, tasks, leg)
             m = contact_bounds(qp, contacts, g.body.legs, g.contact_bounds, leg, m)
-    for i in range(n):
-        for j in range(i):
-            qp.hessian[j, i] = qp.hessian[i, j]
     qp.size[0] = n
     qp.size[1] = _stop_rows(g, n, m)
     return m
@@ -119,7 +116,7 @@ def _accept(g: WholeBody, n: int) -> None:
     solution, contacts, found, half_width = g.solution, g.contacts, g.program.solution, g.body.legs.half_width
     for j in range(solution.torque.shape[0]):
         solution.torque[j] = found[j]
-    accelerations(g.motion, found, solution.torque.shape[0], n, solution.acceleration)
+    accelerations(g.motion, found, n, solution.acceleration)
     for leg in range(contacts.kind.shape[0]):
         wrench, variable = solution.wrench[leg], contacts.first[leg]
         for i in range(WRENCH_SIZE):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from gaitsmith.compiled import Matrix, Vector, kernel
 from gaitsmith.whole_body.contact import PITCH_MOMENT, ROLL_MOMENT, transmits
-from gaitsmith.whole_body.forward_dynamics import add_joint, add_row
+from gaitsmith.whole_body.forward_dynamics import add_joint, add_row, next_row
 from gaitsmith.whole_body.frames import Frames
 from gaitsmith.whole_body.problem import WholeBody
 from gaitsmith.whole_body.reference import FLAT, HIPS, NONE
@@ -92,7 +92,7 @@ def _along(axis: tuple[float, float, float], vector: Vector, first: int) -> floa
 def _row_along(axis: tuple[float, float, float], jacobian: Matrix, first: int, row: Vector) -> None:
     """The same of a world-axes Jacobian: one row, into ``row``."""
     x, y, z = axis
-    for k in range(row.shape[0]):
+    for k in range(jacobian.shape[1]):
         row[k] = x * jacobian[first, k] + y * jacobian[first + 1, k] + z * jacobian[first + 2, k]
 
 
@@ -101,31 +101,33 @@ def add_stance(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """A bearing sole's pivot does not accelerate, neither does the sole turn, but about its line or edge."""
     contacts, motion = g.contacts, g.motion
     jacobian, bias, axes = contacts.jacobian[leg], contacts.bias[leg], contacts.axes[leg]
+    nv = jacobian.shape[1]
     for axis in range(3):
-        for k in range(motion.row.shape[0]):
-            motion.row[k] = jacobian[axis, k]
-        add_row(motion, -bias[axis], tasks.stance.weight)
+        row = next_row(motion)
+        for k in range(nv):
+            row[k] = jacobian[axis, k]
+        add_row(motion, nv, -bias[axis], tasks.stance.weight)
     for axis in range(3):
         if not transmits(contacts.kind[leg], g.body.legs.half_width[leg], ROLL_MOMENT + axis):
             continue
         direction = (axes[0, axis], axes[1, axis], axes[2, axis])
-        _row_along(direction, jacobian, 3, motion.row)
+        _row_along(direction, jacobian, 3, next_row(motion))
         spin = _along(direction, g.body.frames.sole_twist[leg], 3)
         target = -tasks.stance_turn.damping * spin - _along(direction, bias, 3)
-        add_row(motion, target, tasks.stance_turn.weight)
+        add_row(motion, nv, target, tasks.stance_turn.weight)
 
 
 @kernel
 def add_swing(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """A sole in the air follows its reference, in the world or relative to the hip midpoint (eqs. 19 and 20)."""
-    reference, frames, row, task = g.reference, g.body.frames, g.motion.row, tasks.swing
+    reference, frames, task, nv = g.reference, g.body.frames, tasks.swing, g.body.v.shape[0]
     position, velocity = reference.sole_position[leg], reference.sole_velocity[leg]
     for axis in range(3):
-        direction = _heading_axis(frames, axis)
+        direction, row = _heading_axis(frames, axis), next_row(g.motion)
         _row_along(direction, frames.sole_jacobian[leg], 0, row)
         drift = _along(direction, frames.sole_bias[leg], 0)
         if reference.sole_frame[leg] == HIPS:
-            for k in range(row.shape[0]):
+            for k in range(nv):
                 row[k] -= (
                     direction[0] * frames.hip_jacobian[0, k]
                     + direction[1] * frames.hip_jacobian[1, k]
@@ -140,14 +142,14 @@ def add_swing(g: WholeBody, tasks: TaskTable, leg: int) -> None:
             error_rate = _along(direction, velocity, 0) - _along(direction, frames.sole_twist[leg], 0)
             wanted = _along(direction, reference.sole_acceleration[leg], 0)
         target = wanted + task.stiffness * error + task.damping * error_rate - drift
-        add_row(g.motion, target, task.weight)
+        add_row(g.motion, nv, target, task.weight)
 
 
 @kernel
 def add_sole_turn(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     """A sole's rotation follows its reference: about its edge on the ground, in the air about all axes but its line."""
     reference, frames, motion, task = g.reference, g.body.frames, g.motion, tasks.swing_turn
-    kind = g.contacts.kind[leg]
+    kind, nv = g.contacts.kind[leg], g.body.v.shape[0]
     if kind == FLAT:
         return
     axes = g.contacts.axes[leg] if kind != NONE else frames.sole_rotation[leg]
@@ -158,17 +160,17 @@ def add_sole_turn(g: WholeBody, tasks: TaskTable, leg: int) -> None:
         if kind == NONE and axis == 0 and g.body.legs.half_width[leg] == 0.0:
             continue
         direction = (axes[0, axis], axes[1, axis], axes[2, axis])
-        _row_along(direction, frames.sole_jacobian[leg], 3, motion.row)
+        _row_along(direction, frames.sole_jacobian[leg], 3, next_row(motion))
         rate = _along(direction, reference.sole_spin[leg], 0) - _along(direction, frames.sole_twist[leg], 3)
         target = _along(direction, reference.sole_angular_acceleration[leg], 0)
         target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
-        add_row(motion, target - _along(direction, frames.sole_bias[leg], 3), task.weight)
+        add_row(motion, nv, target - _along(direction, frames.sole_bias[leg], 3), task.weight)
 
 
 @kernel
 def add_torso(g: WholeBody, tasks: TaskTable) -> None:
     """The torso's roll, pitch and yaw behave like spring and damper about the reference (eqs. 21 and 22)."""
-    reference, frames, motion = g.reference, g.body.frames, g.motion
+    reference, frames, motion, nv = g.reference, g.body.frames, g.motion, g.body.v.shape[0]
     turn_error(g.body.state.body_rotation[g.body.legs.torso[0]], reference.torso_rotation, motion.turn)
     for axis in range(3):
         task = tasks.roll if axis == 0 else (tasks.pitch if axis == 1 else tasks.yaw)
@@ -176,36 +178,36 @@ def add_torso(g: WholeBody, tasks: TaskTable) -> None:
         if weight == 0.0:
             continue
         direction = _heading_axis(frames, axis)
-        _row_along(direction, frames.hip_jacobian, 3, motion.row)
+        _row_along(direction, frames.hip_jacobian, 3, next_row(motion))
         rate = _along(direction, reference.torso_spin, 0) - _along(direction, frames.torso_spin, 0)
         target = _along(direction, reference.torso_angular_acceleration, 0)
         target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
-        add_row(motion, target - _along(direction, frames.hip_bias, 3), weight)
+        add_row(motion, nv, target - _along(direction, frames.hip_bias, 3), weight)
 
 
 @kernel
 def add_body(g: WholeBody, tasks: TaskTable) -> None:
     """Centre of mass and hip height follow their references."""
     reference, frames, state, motion = g.reference, g.body.frames, g.body.state, g.motion
-    com = reference.com
+    com, nv = reference.com, g.body.v.shape[0]
     for axis in range(3):
         task = tasks.com if axis < 2 else tasks.com_height
         weight = reference.com_weight[axis] * task.weight
         if weight == 0.0:
             continue
         direction = _heading_axis(frames, axis)
-        _row_along(direction, state.com_jacobian, 0, motion.row)
+        _row_along(direction, state.com_jacobian, 0, next_row(motion))
         error = _along(direction, com[0], 0) - _along(direction, state.com, 0)
         error_rate = _along(direction, com[1], 0) - _along(direction, state.com_velocity, 0)
         wanted = _along(direction, com[2], 0) + task.stiffness * error + task.damping * error_rate
-        add_row(motion, wanted - _along(direction, state.com_bias, 0), weight)
+        add_row(motion, nv, wanted - _along(direction, state.com_bias, 0), weight)
     weight = reference.hip_height_weight[0] * tasks.hip_height.weight
     if weight > 0.0:
         height, task = reference.hip_height, tasks.hip_height
-        _row_along((0.0, 0.0, 1.0), frames.hip_jacobian, 0, motion.row)
+        _row_along((0.0, 0.0, 1.0), frames.hip_jacobian, 0, next_row(motion))
         wanted = height[2] + task.stiffness * (height[0] - frames.hip_position[2])
         wanted += task.damping * (height[1] - frames.hip_velocity[2])
-        add_row(motion, wanted - frames.hip_bias[2], weight)
+        add_row(motion, nv, wanted - frames.hip_bias[2], weight)
 
 
 @kernel
@@ -219,7 +221,7 @@ def add_joints(g: WholeBody, tasks: TaskTable) -> None:
             continue
         target = reference.joint[2, j] + task.stiffness * (reference.joint[0, j] - q[7 + j])
         target += task.damping * (reference.joint[1, j] - v[6 + j])
-        add_joint(g.motion, 6 + j, target, weight)
+        add_joint(g.motion, j, target, weight)
 
 
 @kernel
@@ -236,6 +238,7 @@ def add_wrench(g: WholeBody, tasks: TaskTable, leg: int) -> None:
             arm = -reference.cop[leg, 1] if axis == 0 else reference.cop[leg, 0]
             qp.hessian[variable, variable] += weight
             qp.hessian[variable, normal] += weight * arm
+            qp.hessian[normal, variable] += weight * arm
             qp.hessian[normal, normal] += weight * arm * arm
             variable += 1
     weight = reference.load_weight[leg] * tasks.load
