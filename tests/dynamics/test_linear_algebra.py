@@ -31,10 +31,10 @@ def some_tree(n: int, seed: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.
 def test_factor_and_solves(n: int, m: int, seed: int) -> None:
     parent, a = some_tree(n, seed)
     matrix = np.random.default_rng(seed).normal(size=(n, padded(m) + 1))
-    given_lower, factor = np.where(np.tri(n) > 0.0, a, np.nan), np.zeros((n, n))
+    given_lower, factor = np.where(np.tri(n) > 0.0, a, np.nan), np.zeros((n, padded(n)))
     assert factor_tree(given_lower, parent, factor)
-    whole = factor.copy()
-    np.fill_diagonal(whole, 1.0 / np.diag(factor))
+    whole = np.tril(factor[:, :n])
+    np.fill_diagonal(whole, 1.0 / np.diag(factor[:, :n]))
     np.testing.assert_allclose(whole.T @ whole, a, rtol=ROUNDING, atol=ROUNDING)
     y = matrix.copy()
     solve_tree(factor, parent, y, m)
@@ -47,4 +47,4 @@ def test_factor_and_solves(n: int, m: int, seed: int) -> None:
 def test_not_positive_definite(spoilt: float, at: int) -> None:
     a = np.eye(4)
     a[at, at] = spoilt
-    assert not factor_tree(a, np.arange(-1, 3), np.zeros((4, 4)))
+    assert not factor_tree(a, np.arange(-1, 3), np.zeros((4, 8)))

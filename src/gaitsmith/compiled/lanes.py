@@ -92,12 +92,6 @@ def times(typingctx: Any, values: Any, share: Any) -> Any:
 
 
 @intrinsic
-def sum_of(typingctx: Any, values: Any, others: Any) -> Any:
-    """``values + others``."""
-    return values(values, others), lambda context, builder, signature, args: builder.fadd(*args)
-
-
-@intrinsic
 def plus(typingctx: Any, values: Any, share: Any, others: Any) -> Any:
     """``values + share * others``."""
 
@@ -105,25 +99,3 @@ def plus(typingctx: Any, values: Any, share: Any, others: Any) -> Any:
         return builder.fadd(args[0], builder.fmul(_spread(builder, args[1]), args[2]))
 
     return values(values, types.float64, others), codegen
-
-
-@intrinsic
-def product(typingctx: Any, values: Any, others: Any) -> Any:
-    """``values * others``, lane by lane."""
-    return values(values, others), lambda context, builder, signature, args: builder.fmul(*args)
-
-
-@intrinsic
-def total(typingctx: Any, values: Any) -> Any:
-    """Sum of the lanes."""
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        found, half = args[0], LANES
-        while half > 1:
-            half //= 2
-            lanes = [k % half + half * (k < half) for k in range(LANES)]
-            turned = builder.shuffle_vector(found, found, ir.Constant(ir.VectorType(ir.IntType(32), LANES), lanes))
-            found = builder.fadd(found, turned)
-        return builder.extract_element(found, ir.Constant(ir.IntType(32), 0))
-
-    return types.float64(values), codegen

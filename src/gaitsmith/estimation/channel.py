@@ -47,6 +47,27 @@ def judge(r: Readings, c: int, dt: float) -> int:
 
 
 @kernel
+def passes(r: Readings, c: int) -> bool:
+    """Whether a channel was good and moves as the model says; then it is kept, as by :func:`judge` and :func:`settle`.
+
+    That is what happens in nearly every tick, and takes a fraction of their time.
+    """
+    if r.what[c] != GOOD or r.lost[c] > 0:
+        return False
+    fine, moves, bound, gate = True, False, r.bound[c], r.gate[c]
+    for i in range(r.first[c], r.first[c + 1]):
+        y = r.values[i]
+        fine = fine and abs(y) <= bound and abs(y - r.wanted[i]) <= gate
+        moves = moves or y != r.before[i]
+    if not (fine and moves):
+        return False
+    for i in range(r.first[c], r.first[c + 1]):
+        r.before[i] = r.wanted[i] = r.values[i]
+    r.still[c] = 0
+    return True
+
+
+@kernel
 def settle(r: Readings, c: int, what: int, seen: bool) -> None:
     """Keep or replace a channel's reading; ``seen`` if more than the model stands in for it."""
     was = r.what[c]

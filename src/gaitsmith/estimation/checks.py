@@ -14,7 +14,7 @@ import math
 
 from gaitsmith.compiled import kernel
 from gaitsmith.dynamics.rotation import turn_quaternion
-from gaitsmith.estimation.channel import is_valid, judge, judge_attitude, settle
+from gaitsmith.estimation.channel import is_valid, judge, judge_attitude, passes, settle
 from gaitsmith.estimation.inertial import check_inertial
 from gaitsmith.estimation.readings import ANGLES, ATTITUDE, CONTRADICTION, GOOD, POSITION, VELOCITY, Checking, Readings
 from gaitsmith.estimation.sole_force import check_force
@@ -31,9 +31,11 @@ def _difference(r: Readings, g: Checking, over: float) -> None:
     """Velocities by differences of positions; whether anything moves; ``over``: 1 by the time since the last tick."""
     before, m = r.before, g.measurement
     r.moving[0] = 0
-    for c in range(r.read.shape[0] - m.sole_force.shape[0]):
+    for c in range(r.read.shape[0] - m.sole_force.shape[0] - 1, -1, -1):
         for i in range(r.first[c], r.first[c + 1] if r.read[c] == 1 else r.first[c]):
             r.moving[0] = 1 if r.values[i] != before[i] else r.moving[0]
+        if r.moving[0] == 1:
+            break
     for i in range(3):
         r.slope[i] = (m.base_position[i] - before[i]) * over
     q, w, x, y, z = m.base_quaternion, before[3], before[4], before[5], before[6]
@@ -117,6 +119,9 @@ def _check_angles(g: Checking, dt: float, estimated: bool) -> None:
     r, legs = g.readings, g.body.legs
     for j in range(r.rate.shape[0]):
         c = ANGLES + j
+        if passes(r, c):
+            r.valid[6 + j] = 2 * (1 - r.trusted[0])
+            continue
         was, place = r.lost[c], r.first[c]
         what, seen = judge(r, c, dt), not estimated and r.lost[c + r.rate.shape[0]] == 0
         leg = legs.leg_of_joint[j]
@@ -142,8 +147,11 @@ def _check_velocity(g: Checking, c: int, first: int, last: int, dt: float) -> No
         seen = seen and r.valid[k] > 0
         r.error[k] = _SHARE * off + (1.0 - _SHARE) * r.error[k] if abs(off) < math.inf else 0.0
         worst = max(worst, abs(r.error[k]) / (0.3 * r.height_unit[0] if k < 3 else 1.0))
+    contradicts = worst > _RATE_ERROR * r.rate_unit[0]
+    if not contradicts and passes(r, c):
+        return
     what = judge(r, c, dt)
-    if what == GOOD and worst > _RATE_ERROR * r.rate_unit[0]:
+    if what == GOOD and contradicts:
         what = CONTRADICTION
     if what != GOOD or r.lost[c] > 0:
         for k in range(first, last):
@@ -188,7 +196,8 @@ def check_readings(
     _expect(g, elapsed, estimated, driven)
     if not estimated:
         lost = (r.lost[POSITION], r.lost[ATTITUDE])
-        settle(r, POSITION, judge(r, POSITION, dt), r.lost[VELOCITY] == 0)
+        if not passes(r, POSITION):
+            settle(r, POSITION, judge(r, POSITION, dt), r.lost[VELOCITY] == 0)
         settle(r, ATTITUDE, judge_attitude(g, dt), r.lost[VELOCITY] == 0)
         for k in range(3):
             r.valid[k] = is_valid(r, POSITION, lost[0])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.compiled.lanes import LANES, none, plus, product, put, sum_of, take, times, total
+from gaitsmith.compiled.lanes import LANES, none, plus, put, take, times
 from gaitsmith.qp._storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
@@ -50,21 +50,12 @@ def is_finite(qp: QuadraticProgram) -> bool:
 
 
 @kernel
-def _dot(a: Matrix, i: int, b: Matrix, k: int, first: int, end: int) -> float:
-    """Product of two rows, from the eight that ``first`` is among; both are zero where they do not count."""
-    found = none()
-    for c in range(first // LANES * LANES, end, LANES):
-        found = sum_of(found, product(take(a, i, c), take(b, k, c)))
-    return float(total(found))
-
-
-@kernel
-def _forward(factor: Matrix, over: Vector, x: Matrix, row: int, out: Vector, first: int, free: int) -> None:
-    """``out = L⁻¹ x`` for a row of x that is zero before ``first``; it is lost.
+def _forward(factor: Matrix, over: Vector, x: Matrix, row: int, out: Vector, free: int) -> None:
+    """``out = L⁻¹ x`` for a row of x; it is lost.
 
     What is written one by one is not read eight at a time soon after: the processor would wait.
     """
-    for i in range(first, free):
+    for i in range(free):
         value = x[row, i] * over[i]
         for c in range(i // LANES * LANES, free, LANES):
             put(x, row, c, plus(take(x, row, c), -value, take(factor, i, c)))
@@ -124,14 +115,25 @@ def prepare(qp: QuadraticProgram) -> int:
 
 
 @kernel
-def _kkt_step(factor: Matrix, normals: Matrix, schur: Matrix, vectors: Matrix, free: int, held: int) -> None:
-    """Change of the free variables (STEP) and of the active rows' multipliers (FORCE) that ends SLOPE and GAP."""
-    gap, step, force, over = vectors[GAP], vectors[STEP], vectors[FORCE], vectors[PIVOT]
-    for i in range(step.shape[0]):
-        step[i] = 0.0
-    _forward(factor, over, vectors, SLOPE, step, 0, free)
+def _kkt_step(qp: QuadraticProgram, free: int, held: int, first: bool) -> None:
+    """Change of the free variables (STEP) and of the active rows' multipliers (FORCE) that ends SLOPE and GAP.
+
+    The ``first`` one finds L⁻¹ SLOPE beside the factor.
+    """
+    factor, schur, over = qp.squares[0], qp.schur, qp.vectors[PIVOT]
+    gap, step, force = qp.vectors[GAP], qp.vectors[STEP], qp.vectors[FORCE]
+    if first:
+        for i in range(free):
+            step[i] = factor[i, free + held]
+    else:
+        _forward(factor, over, qp.vectors, SLOPE, step, free)
     for j in range(held):
-        found = gap[j] + _dot(normals, j, vectors, STEP, 0, free)
+        found = gap[j]
+        if first:
+            found += qp.gram[j, held]
+        else:
+            for i in range(free):
+                found += factor[i, free + j] * step[i]
         for k in range(j):
             found -= schur[j, k] * force[k]
         force[j] = found * schur[j, j]
@@ -141,18 +143,17 @@ def _kkt_step(factor: Matrix, normals: Matrix, schur: Matrix, vectors: Matrix, f
         for k in range(j):
             force[k] -= schur[j, k] * found
     for i in range(free):
-        step[i] = -step[i]
-    for j in range(held):
-        for i in range(free):
-            step[i] += normals[j, i] * force[j]
+        value = -step[i]
+        for j in range(held):
+            value += factor[i, free + j] * force[j]
+        step[i] = value
     for i in range(free - 1, -1, -1):
-        line, after = factor[i, i + 1 : free], step[i + 1 : free]
-        value, more = step[i], 0.0
-        for k in range(after.shape[0] // 2):
-            value -= line[2 * k] * after[2 * k]
-            more -= line[2 * k + 1] * after[2 * k + 1]
-        if after.shape[0] % 2 == 1:
-            value -= line[after.shape[0] - 1] * after[after.shape[0] - 1]
+        value, more, count = step[i], 0.0, free - 1 - i
+        for k in range(count // 2):  # the neighbours come last: they have just been found
+            value -= factor[i, free - 1 - 2 * k] * step[free - 1 - 2 * k]
+            more -= factor[i, free - 2 - 2 * k] * step[free - 2 - 2 * k]
+        if count % 2 == 1:
+            value -= factor[i, i + 1] * step[i + 1]
         step[i] = (value + more) * over[i]
 
 
@@ -160,15 +161,19 @@ def _kkt_step(factor: Matrix, normals: Matrix, schur: Matrix, vectors: Matrix, f
 def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
     """Factors of H_FF = L Lᵀ and of V Vᵀ; False if one has no full rank.
 
-    Kept are Lᵀ without its diagonal, zero elsewhere in the eights that it reaches into, and the inverted diagonals.
+    Kept are Lᵀ without its diagonal, zero elsewhere in the eights that it reaches into, and the inverted diagonals. The
+    columns behind Lᵀ are Vᵀ = L⁻¹ A_WFᵀ and L⁻¹ SLOPE: they come with the elimination.
     """
     variables, members, factor, over = qp.indices[0], qp.indices[1], qp.squares[0], qp.vectors[PIVOT]
-    normals, schur, hessian, slope = qp.normals, qp.schur, qp.hessian, qp.vectors[SLOPE]
+    gram, schur, slope, width = qp.gram, qp.schur, qp.vectors[SLOPE], free + held + 1
     for k in range(free):
-        column = hessian[variables[k]]
+        column = qp.hessian[variables[k]]
         for i in range(k, free):
             factor[k, i] = column[variables[i]]
-        for i in range(free, factor.shape[1]):
+        for j in range(held):
+            factor[k, free + j] = qp.rows[members[j], variables[k]]
+        factor[k, free + held] = slope[k]
+        for i in range(width, (width + LANES - 1) // LANES * LANES):
             factor[k, i] = 0.0
         over[k] = factor[k, k]
     for k in range(free):
@@ -176,36 +181,34 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
         if not pivot > _PIVOT * over[k]:
             return False
         inverse = 1.0 / pivot
-        for c in range((k + 1) // LANES * LANES, free, LANES):
+        for c in range((k + 1) // LANES * LANES, width, LANES):
             line = times(take(factor, k, c), -inverse)
             for i in range(k + 1, min(free, c + LANES)):
                 put(factor, i, c, plus(take(factor, i, c), factor[k, i], line))
         over[k] = np.sqrt(inverse)
     for k in range(free):
-        for c in range(k // LANES * LANES, free, LANES):
+        for c in range(k // LANES * LANES, width, LANES):
             put(factor, k, c, times(take(factor, k, c), over[k]))
     for k in range(free):
         for i in range(k // LANES * LANES, k + 1):
             factor[k, i] = 0.0
     for j in range(held):
-        row, first = qp.rows[members[j]], free
-        for i in range(normals.shape[1] - 1, -1, -1):
-            slope[i] = row[variables[i]] if i < free else 0.0
-            normals[j, i] = 0.0
-            if slope[i] != 0.0:
-                first = i
-        _forward(factor, over, qp.vectors, SLOPE, normals[j], first, free)
+        for c in range(0, held + 1, LANES):
+            found = none()
+            for k in range(free):
+                found = plus(found, factor[k, free + j], take(factor, k, free + c))
+            put(gram, j, c, found)
+    for j in range(held):
         for k in range(j + 1):
-            diagonal = _dot(normals, j, normals, k, first, free)
-            found = diagonal
+            rest = gram[j, k]
             for p in range(k):
-                found -= schur[j, p] * schur[k, p]
+                rest -= schur[j, p] * schur[k, p]
             if k < j:
-                schur[j, k] = found * schur[k, k]
+                schur[j, k] = rest * schur[k, k]
             else:
-                if not found > DEPENDENT * DEPENDENT * diagonal:
+                if not rest > DEPENDENT * DEPENDENT * gram[j, j]:
                     return False
-                schur[j, j] = 1.0 / np.sqrt(found)
+                schur[j, j] = 1.0 / np.sqrt(rest)
     return True
 
 
@@ -217,8 +220,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     :func:`prepare`.
     """
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
-    variables, members = qp.indices[0], qp.indices[1]
-    factor, vectors = qp.squares[0], qp.vectors
+    variables, members, vectors = qp.indices[0], qp.indices[1], qp.vectors
     metric, low, high, full = vectors[METRIC], vectors[LOW], vectors[HIGH], vectors[FULL]
     slope, gap, step, force = vectors[SLOPE], vectors[GAP], vectors[STEP], vectors[FORCE]
     x, y, active = qp.solution, qp.multipliers, qp.active
@@ -241,7 +243,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
         if low[k] == high[k] or (side < 0 and low[k] > -np.inf) or (side > 0 and high[k] < np.inf):
             members[held] = j
             held += 1
-    if held > free or not _factorise(qp, free, held):
+    if held > free:
         return False
 
     unit = worst = poison = 0.0
@@ -269,9 +271,11 @@ def accept_guess(qp: QuadraticProgram) -> bool:
             limit = high[at] if active[at] > 0 and high[at] < np.inf else low[at]
             gap[k] = limit - _span_product(qp, members[k], n)
             worst = max(worst, abs(gap[k]) * metric[at])
+        if attempt == 0 and not _factorise(qp, free, held):
+            return False
         if worst <= 0.1 * DUAL_TOLERANCE * unit or attempt == 3:
             break
-        _kkt_step(factor, qp.normals, qp.schur, vectors, free, held)
+        _kkt_step(qp, free, held, attempt == 0)
         for i in range(free):
             x[variables[i]] += step[i]
         for k in range(held):

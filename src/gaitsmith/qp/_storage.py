@@ -53,10 +53,11 @@ class QuadraticProgram(NamedTuple):
         active: (n + m), result and warm start of the next solve: -1 at the lower limit, +1 at the upper, 0 free.
             A fixed variable or an equality row is marked by the sign of its multiplier. Zeros are a cold start.
         size: (2), variables and rows in use.
-        squares: scratch (3, n, n) with padded columns: Cholesky factor, basis, triangle.
+        squares: scratch (3, n, 2 n + 1) with padded columns: Cholesky factor and what is eliminated with it, basis,
+            triangle.
         vectors: scratch (15, n + m) with padded columns, rows named above.
         indices: scratch (3, n + m).
-        normals: scratch (m, n) with padded columns.
+        gram: scratch (m, n + 1) with padded columns.
         schur: scratch (m, m).
     """
 
@@ -75,7 +76,7 @@ class QuadraticProgram(NamedTuple):
     squares: Cube
     vectors: Matrix
     indices: IntMatrix
-    normals: Matrix
+    gram: Matrix
     schur: Matrix
 
 
@@ -102,9 +103,9 @@ def make_quadratic_program(n: int, m: int) -> QuadraticProgram:
         multipliers=np.zeros(n + m),
         active=np.zeros(n + m, dtype=np.int64),
         size=np.array([n, m], dtype=np.int64),
-        squares=np.zeros((3, n, padded(n))),
+        squares=np.zeros((3, n, padded(2 * n + 1))),
         vectors=np.zeros((15, padded(n + m))),
         indices=np.zeros((3, n + m), dtype=np.int64),
-        normals=np.zeros((m, padded(n))),
+        gram=np.zeros((m, padded(n + 1))),
         schur=np.zeros((m, m)),
     )

@@ -19,7 +19,8 @@ from gaitsmith.whole_body.legs import Legs
 from gaitsmith.whole_body.reference import FLAT, HEEL, NONE
 
 _TWIST = 0.5  # share of what friction at both ends of an edge could bear as a yaw moment
-FORCE_ROWS = 6  # of one sole, besides those of its ZMP: friction 4, yaw moment 2
+_FACE = math.cos(math.pi / 8.0)  # distance of a face of the friction pyramid from its axis, its edges on the cone
+FORCE_ROWS = 10  # of one sole, besides those of its ZMP: friction 8, yaw moment 2
 WRENCH_SIZE = 6  # variables of one sole at most
 ROLL_MOMENT, PITCH_MOMENT, YAW_MOMENT = 3, 4, 5  # axes of a wrench after the three of its force
 
@@ -165,10 +166,24 @@ def _share_rows(qp: QuadraticProgram, m: int, first: int, end: int, variable: in
 
 
 @kernel
+def _friction_rows(qp: QuadraticProgram, m: int, first: int, end: int, friction: float) -> int:
+    """The horizontal force inside a pyramid of eight faces whose edges lie on the cone of friction."""
+    for x in (-1.0, 0.0, 1.0):
+        for y in (-1.0, 0.0, 1.0):
+            if x == 0.0 and y == 0.0:
+                continue
+            m = _new_row(qp, m, first, end)
+            face = qp.rows[m - 1]
+            face[first], face[first + 1] = x, y
+            face[first + 2] = friction * _FACE * math.sqrt(x * x + y * y)
+    return m
+
+
+@kernel
 def contact_bounds(
     qp: QuadraticProgram, contacts: Contacts, legs: Legs, bounds: ContactBounds, leg: int, row: int
 ) -> int:
-    """Friction pyramid, ZMP (eq. 26) and yaw moment of one sole; returns the next free row.
+    """Friction cone by eight faces, ZMP (eq. 26) and yaw moment of one sole; returns the next free row.
 
     In the contact frame the ZMP is at ``x = -m_y / f_z`` and ``y = m_x / f_z`` from the pivot; it keeps the margin from
     every edge of a flat sole. An edge bears the yaw moment that friction at its ends does.
@@ -181,8 +196,7 @@ def contact_bounds(
         pitch, yaw = yaw, yaw + 1
     end = yaw + 1
     qp.lower[normal], qp.upper[normal] = bounds.normal_low, bounds.normal_high
-    for axis in range(2):
-        m = _share_rows(qp, m, first, end, first + axis, bounds.friction)
+    m = _friction_rows(qp, m, first, end, bounds.friction)
     twist = bounds.yaw_friction
     if kind != FLAT and roll > 0:
         twist = min(twist, _TWIST * bounds.friction * contacts.half_edge[leg])

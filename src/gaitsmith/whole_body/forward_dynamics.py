@@ -137,14 +137,8 @@ def begin_motion(body: Body, contacts: Contacts, motion: Motion) -> int:
 
 
 @kernel
-def next_row(motion: Motion) -> Vector:
-    """Jacobian of the next task, to be filled by the caller, (nv,) of use."""
-    return motion.rows[motion.count[0]]
-
-
-@kernel
 def add_row(motion: Motion, nv: int, target: float, weight: float) -> None:
-    """Keep the next row as the task ``½ weight (row q̈ - target)²``."""
+    """Keep row ``count``, which the caller has filled, as the task ``½ weight (row q̈ - target)²``."""
     m = motion.count[0]
     motion.rows[m, nv] = -target
     motion.weight[m] = weight
