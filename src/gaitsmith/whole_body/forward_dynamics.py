@@ -20,7 +20,8 @@ from gaitsmith.whole_body.frames import Body
 from gaitsmith.whole_body.legs import Legs
 from gaitsmith.whole_body.reference import NONE
 
-ROWS, ROWS_OF_A_SOLE = 7, 7  # tasks at most: torso 3, centre of mass 3, hip height; pivot 3, turn 3, turn about its edge
+ROWS = 7  # of tasks: torso 3, centre of mass 3, hip height
+ROWS_OF_A_SOLE = 7  # at most: its pivot 3, its turn 3, its turn about an edge
 
 
 class Motion(NamedTuple):
@@ -39,7 +40,7 @@ class Motion(NamedTuple):
         weighted: (m + nj, n + 1) the same times the weights.
         cost: (n, n + 1) the QP's: H, from its diagonal on, and g.
         spots: (nv + 1,) columns in which two rows are not both zero.
-        count: (1,) tasks so far.
+        filled: (1,) rows so far.
         turn: (3,) a rotation's error, world axes, rad.
     """
 
@@ -53,7 +54,7 @@ class Motion(NamedTuple):
     weighted: Matrix
     cost: Matrix
     spots: IntVector
-    count: IntVector
+    filled: IntVector
     turn: Vector
 
 
@@ -80,7 +81,7 @@ def make_motion(nv: int, n_joints: int, n_soles: int) -> Motion:
         weighted=matrix(m + n_joints, n + 1),
         cost=matrix(n, n + 1),
         spots=np.zeros(nv + 2, dtype=np.int64),
-        count=np.zeros(1, dtype=np.int64),
+        filled=np.zeros(1, dtype=np.int64),
         turn=np.zeros(3),
     )
 
@@ -129,7 +130,7 @@ def begin_motion(body: Body, contacts: Contacts, motion: Motion) -> int:
         response[k, n] = -body.state.bias[k]
     response[nv, n] = 1.0
     _add_passive(legs, body.q, body.v, response, n)
-    motion.count[0] = 0
+    motion.filled[0] = 0
     if not factor_tree(body.state.mass_matrix, body.tree.dof_parent, motion.factor):
         return -1
     solve_tree(motion.factor, body.tree.dof_parent, response, n + 1)
@@ -138,11 +139,11 @@ def begin_motion(body: Body, contacts: Contacts, motion: Motion) -> int:
 
 @kernel
 def add_row(motion: Motion, nv: int, target: float, weight: float) -> None:
-    """Keep row ``count``, which the caller has filled, as the task ``½ weight (row q̈ - target)²``."""
-    m = motion.count[0]
+    """Keep row ``filled``, which the caller has filled, as the task ``½ weight (row q̈ - target)²``."""
+    m = motion.filled[0]
     motion.rows[m, nv] = -target
     motion.weight[m] = weight
-    motion.count[0] = m + 1
+    motion.filled[0] = m + 1
 
 
 @kernel
@@ -154,7 +155,7 @@ def add_joint(motion: Motion, joint: int, target: float, weight: float) -> None:
 @kernel
 def _reach(motion: Motion, nv: int, columns: int) -> int:
     """Y, two rows at once, by the columns of A in which they are not zero; returns its number of rows."""
-    rows, response, spots, m = motion.rows, motion.response, motion.spots, motion.count[0]
+    rows, response, spots, m = motion.rows, motion.response, motion.spots, motion.filled[0]
     for half in range((m + 1) // 2):
         i, found = 2 * half, 0
         for k in range(nv + 1):

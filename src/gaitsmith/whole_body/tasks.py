@@ -103,7 +103,7 @@ def add_stance(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     jacobian, bias, axes = contacts.jacobian[leg], contacts.bias[leg], contacts.axes[leg]
     nv = jacobian.shape[1]
     for axis in range(3):
-        row = motion.rows[motion.count[0]]
+        row = motion.rows[motion.filled[0]]
         for k in range(nv):
             row[k] = jacobian[axis, k]
         add_row(motion, nv, -bias[axis], tasks.stance.weight)
@@ -111,7 +111,7 @@ def add_stance(g: WholeBody, tasks: TaskTable, leg: int) -> None:
         if not transmits(contacts.kind[leg], g.body.legs.half_width[leg], ROLL_MOMENT + axis):
             continue
         direction = (axes[0, axis], axes[1, axis], axes[2, axis])
-        _row_along(direction, jacobian, 3, motion.rows[motion.count[0]])
+        _row_along(direction, jacobian, 3, motion.rows[motion.filled[0]])
         spin = _along(direction, g.body.frames.sole_twist[leg], 3)
         target = -tasks.stance_turn.damping * spin - _along(direction, bias, 3)
         add_row(motion, nv, target, tasks.stance_turn.weight)
@@ -123,7 +123,7 @@ def add_swing(g: WholeBody, tasks: TaskTable, leg: int) -> None:
     reference, frames, task, nv = g.reference, g.body.frames, tasks.swing, g.body.v.shape[0]
     position, velocity = reference.sole_position[leg], reference.sole_velocity[leg]
     for axis in range(3):
-        direction, row = _heading_axis(frames, axis), g.motion.rows[g.motion.count[0]]
+        direction, row = _heading_axis(frames, axis), g.motion.rows[g.motion.filled[0]]
         _row_along(direction, frames.sole_jacobian[leg], 0, row)
         drift = _along(direction, frames.sole_bias[leg], 0)
         if reference.sole_frame[leg] == HIPS:
@@ -160,7 +160,7 @@ def add_sole_turn(g: WholeBody, tasks: TaskTable, leg: int) -> None:
         if kind == NONE and axis == 0 and g.body.legs.half_width[leg] == 0.0:
             continue
         direction = (axes[0, axis], axes[1, axis], axes[2, axis])
-        _row_along(direction, frames.sole_jacobian[leg], 3, motion.rows[motion.count[0]])
+        _row_along(direction, frames.sole_jacobian[leg], 3, motion.rows[motion.filled[0]])
         rate = _along(direction, reference.sole_spin[leg], 0) - _along(direction, frames.sole_twist[leg], 3)
         target = _along(direction, reference.sole_angular_acceleration[leg], 0)
         target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
@@ -178,7 +178,7 @@ def add_torso(g: WholeBody, tasks: TaskTable) -> None:
         if weight == 0.0:
             continue
         direction = _heading_axis(frames, axis)
-        _row_along(direction, frames.hip_jacobian, 3, motion.rows[motion.count[0]])
+        _row_along(direction, frames.hip_jacobian, 3, motion.rows[motion.filled[0]])
         rate = _along(direction, reference.torso_spin, 0) - _along(direction, frames.torso_spin, 0)
         target = _along(direction, reference.torso_angular_acceleration, 0)
         target += task.stiffness * _along(direction, motion.turn, 0) + task.damping * rate
@@ -196,7 +196,7 @@ def add_body(g: WholeBody, tasks: TaskTable) -> None:
         if weight == 0.0:
             continue
         direction = _heading_axis(frames, axis)
-        _row_along(direction, state.com_jacobian, 0, motion.rows[motion.count[0]])
+        _row_along(direction, state.com_jacobian, 0, motion.rows[motion.filled[0]])
         error = _along(direction, com[0], 0) - _along(direction, state.com, 0)
         error_rate = _along(direction, com[1], 0) - _along(direction, state.com_velocity, 0)
         wanted = _along(direction, com[2], 0) + task.stiffness * error + task.damping * error_rate
@@ -204,7 +204,7 @@ def add_body(g: WholeBody, tasks: TaskTable) -> None:
     weight = reference.hip_height_weight[0] * tasks.hip_height.weight
     if weight > 0.0:
         height, task = reference.hip_height, tasks.hip_height
-        _row_along((0.0, 0.0, 1.0), frames.hip_jacobian, 0, motion.rows[motion.count[0]])
+        _row_along((0.0, 0.0, 1.0), frames.hip_jacobian, 0, motion.rows[motion.filled[0]])
         wanted = height[2] + task.stiffness * (height[0] - frames.hip_position[2])
         wanted += task.damping * (height[1] - frames.hip_velocity[2])
         add_row(motion, nv, wanted - frames.hip_bias[2], weight)
