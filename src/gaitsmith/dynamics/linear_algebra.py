@@ -1,7 +1,7 @@
 """Factor and solves for the mass matrix of a tree: nothing is computed where two branches do not touch.
 
-M = Lᵀ L with L lower triangular (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.5): L[k, i] differs from
-zero only where i is k or lies on the way from k to the root, as in M itself.
+M = Lᵀ D L with L lower triangular and a diagonal of ones (Featherstone, Rigid Body Dynamics Algorithms, 2008, section
+6.5): L[k, i] differs from zero only where i is k or lies on the way from k to the root, as in M itself.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from gaitsmith.compiled.lanes import LANES, plus, put, take, times
 
 @kernel
 def factor_tree(a: Matrix, parent: IntVector, l: Matrix) -> bool:  # noqa: E741
-    """Factor a = Lᵀ L.
+    """Factor a = Lᵀ D L.
 
     Args:
         a: (n, n) symmetric, zero where branches do not touch; only its lower triangle is read.
         parent: (n,) the degree of freedom before each on the way to the root, -1 if none.
-        l: (n, :func:`~gaitsmith.compiled.lanes.padded` n) receives L, with the inverse of its diagonal; above the
-            diagonal it holds nothing of use.
+        l: (n, :func:`~gaitsmith.compiled.lanes.padded` n) receives L, and D⁻¹ on its diagonal; above it there
+            is nothing of use.
 
     Returns:
         False if ``a`` is not positive definite or holds a NaN; ``l`` is then useless.
@@ -34,29 +34,27 @@ def factor_tree(a: Matrix, parent: IntVector, l: Matrix) -> bool:  # noqa: E741
     for k in range(n - 1, -1, -1):
         if not (l[k, k] > 0.0 and l[k, k] < math.inf):
             return False
-        over = 1.0 / math.sqrt(l[k, k])
-        for c in range(0, k, LANES):
-            put(l, k, c, times(take(l, k, c), over))
+        over = 1.0 / l[k, k]
         i = parent[k]
         while i >= 0:
-            share = -l[k, i]
+            share = -l[k, i] * over
             for c in range(0, i + 1, LANES):
                 put(l, i, c, plus(take(l, i, c), share, take(l, k, c)))
             i = parent[i]
+        for c in range(0, k, LANES):
+            put(l, k, c, times(take(l, k, c), over))
         l[k, k] = over
     return True
 
 
 @kernel
 def solve_tree(l: Matrix, parent: IntVector, b: Matrix, m: int) -> None:  # noqa: E741
-    """Replace the first m columns of ``b`` by the solution of Lᵀ L X = b; ``l`` is from :func:`factor_tree`.
+    """Replace the first m columns of ``b`` by the solution of Lᵀ D L X = b; ``l`` is from :func:`factor_tree`.
 
     ``b`` has :func:`~gaitsmith.compiled.lanes.padded` columns; those between m and the next multiple of eight are lost.
     """
     n = parent.shape[0]
     for k in range(n - 1, -1, -1):
-        for c in range(0, m, LANES):
-            put(b, k, c, times(take(b, k, c), l[k, k]))
         i = parent[k]
         while i >= 0:
             share = -l[k, i]
@@ -66,11 +64,11 @@ def solve_tree(l: Matrix, parent: IntVector, b: Matrix, m: int) -> None:  # noqa
     for k in range(n):
         above = parent[k]
         for c in range(0, m, LANES):
-            x = take(b, k, c)
+            x = times(take(b, k, c), l[k, k])
             if above >= 0:  # comes last: it has just been found
                 i = parent[above]
                 while i >= 0:
                     x = plus(x, -l[k, i], take(b, i, c))
                     i = parent[i]
                 x = plus(x, -l[k, above], take(b, above, c))
-            put(b, k, c, times(x, l[k, k]))
+            put(b, k, c, x)

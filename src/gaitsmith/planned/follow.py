@@ -120,9 +120,8 @@ def _move_soles(g: Following, section: int, com: Vector, com_velocity: Vector, d
 
 
 @kernel
-def _turn_in(values: Vector, first: int, heading: float, out: Vector) -> None:
+def _turn_in(values: Vector, first: int, cos: float, sin: float, out: Vector) -> None:
     """Three channels of the plan in world axes."""
-    cos, sin = math.cos(heading), math.sin(heading)
     out[0] = cos * values[first] - sin * values[first + 1]
     out[1] = sin * values[first] + cos * values[first + 1]
     out[2] = values[first + 2]
@@ -132,8 +131,9 @@ def _turn_in(values: Vector, first: int, heading: float, out: Vector) -> None:
 def _write_body(g: Following, section: int, out: Reference) -> None:
     """CoM and torso; while the plan waits for the ground, the CoM goes on as it moved at the end."""
     motion, state, waited = g.sample.motion, g.state, g.clock.waited[0]
+    cos, sin = math.cos(state.heading[0]), math.sin(state.heading[0])
     for order in range(3):
-        _turn_in(motion[order], COM, state.heading[0], out.com[order])
+        _turn_in(motion[order], COM, cos, sin, out.com[order])
     for axis in range(3):
         out.com[0, axis] += waited * (out.com[1, axis] + 0.5 * waited * out.com[2, axis])
         out.com[1, axis] += waited * out.com[2, axis]
@@ -157,9 +157,10 @@ def _write_sole(g: Following, section: int, row: int, out: Reference) -> None:
     out.contact[row], out.sole_frame[row] = kind, WORLD
     position, velocity, acceleration = out.sole_position[row], out.sole_velocity[row], out.sole_acceleration[row]
     spin, turn = out.sole_spin[row], out.sole_angular_acceleration[row]
-    _turn_in(motion[0], first, heading, position)
-    _turn_in(motion[1], first, heading, velocity)
-    _turn_in(motion[2], first, heading, acceleration)
+    cos, sin = math.cos(heading), math.sin(heading)
+    _turn_in(motion[0], first, cos, sin, position)
+    _turn_in(motion[1], first, cos, sin, velocity)
+    _turn_in(motion[2], first, cos, sin, acceleration)
     orientation(motion, first + 3, heading, out.sole_rotation[row], spin, turn)
     for axis in range(3):
         if kind == NONE and g.clock.waited[0] > 0.0:

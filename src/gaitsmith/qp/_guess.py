@@ -168,8 +168,12 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
     gram, schur, slope, width = qp.gram, qp.schur, qp.vectors[SLOPE], free + held + 1
     for k in range(free):
         column = qp.hessian[variables[k]]
-        for i in range(k, free):
-            factor[k, i] = column[variables[i]]
+        if free == qp.size[0]:
+            for i in range(k, free):
+                factor[k, i] = column[i]
+        else:
+            for i in range(k, free):
+                factor[k, i] = column[variables[i]]
         for j in range(held):
             factor[k, free + j] = qp.rows[members[j], variables[k]]
         factor[k, free + held] = slope[k]
@@ -221,7 +225,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     """
     n, m, base = qp.size[0], qp.size[1], qp.gradient.shape[0]
     variables, members, vectors = qp.indices[0], qp.indices[1], qp.vectors
-    metric, low, high, full = vectors[METRIC], vectors[LOW], vectors[HIGH], vectors[FULL]
+    metric, inverse, low, high, full = vectors[METRIC], vectors[INVERSE], vectors[LOW], vectors[HIGH], vectors[FULL]
     slope, gap, step, force = vectors[SLOPE], vectors[GAP], vectors[STEP], vectors[FORCE]
     x, y, active = qp.solution, qp.multipliers, qp.active
     free = held = 0
@@ -258,14 +262,14 @@ def accept_guess(qp: QuadraticProgram) -> bool:
                     full[i] += qp.hessian[k, i] * value
         for i in range(n):
             poison += 0.0 * full[i]
-            unit = max(unit, abs(qp.gradient[i]) / metric[i], abs(x[i]) * metric[i])
+            unit = max(unit, abs(qp.gradient[i]) * inverse[i], abs(x[i]) * metric[i])
         for k in range(held):
             row, multiplier = members[k], y[base + members[k]]
             for i in range(n):
                 full[i] -= qp.rows[row, i] * multiplier
         for i in range(free):
             slope[i] = full[variables[i]]
-            worst = max(worst, abs(slope[i]) / metric[variables[i]])
+            worst = max(worst, abs(slope[i]) * inverse[variables[i]])
         for k in range(held):
             at = base + members[k]
             limit = high[at] if active[at] > 0 and high[at] < np.inf else low[at]
@@ -283,11 +287,11 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     if poison != 0.0 or not worst <= DUAL_TOLERANCE * unit:
         return False
 
+    slack = PRIMAL_TOLERANCE * unit
     for i in range(n + m):
         k = i if i < n else base + i - n
         value = x[k] if i < n else _span_product(qp, i - n, n)
-        slack = PRIMAL_TOLERANCE * unit / metric[k]
-        if not low[k] - slack <= value <= high[k] + slack:
+        if not ((low[k] - value) * metric[k] <= slack and (value - high[k]) * metric[k] <= slack):
             return False
         if i < n and (low[k] == high[k] or active[k] != 0):
             y[k] = full[k]

@@ -39,7 +39,6 @@ class Motion(NamedTuple):
         reach: (m + nj, n + 1) Y and, as the column after the last variable, A t - b.
         weighted: (m + nj, n + 1) the same times the weights.
         cost: (n, n + 1) the QP's: H, from its diagonal on, and g.
-        spots: (nv + 1,) columns in which two rows are not both zero.
         filled: (1,) rows so far.
         turn: (3,) a rotation's error, world axes, rad.
     """
@@ -53,7 +52,6 @@ class Motion(NamedTuple):
     reach: Matrix
     weighted: Matrix
     cost: Matrix
-    spots: IntVector
     filled: IntVector
     turn: Vector
 
@@ -80,7 +78,6 @@ def make_motion(nv: int, n_joints: int, n_soles: int) -> Motion:
         reach=matrix(m + n_joints, n + 1),
         weighted=matrix(m + n_joints, n + 1),
         cost=matrix(n, n + 1),
-        spots=np.zeros(nv + 2, dtype=np.int64),
         filled=np.zeros(1, dtype=np.int64),
         turn=np.zeros(3),
     )
@@ -153,25 +150,35 @@ def add_joint(motion: Motion, joint: int, target: float, weight: float) -> None:
 
 
 @kernel
+def _products(left: Matrix, turned: bool, right: Matrix, i: int, c: int, inner: int, out: Matrix) -> None:
+    """Eight columns from c of four rows from i of ``left right``, or of ``leftᵀ right``."""
+    a, b, d, e = none(), none(), none(), none()
+    if turned:
+        for k in range(inner):
+            line = take(right, k, c)
+            a, b = plus(a, left[k, i], line), plus(b, left[k, i + 1], line)
+            d, e = plus(d, left[k, i + 2], line), plus(e, left[k, i + 3], line)
+    else:
+        for k in range(inner):
+            line = take(right, k, c)
+            a, b = plus(a, left[i, k], line), plus(b, left[i + 1, k], line)
+            d, e = plus(d, left[i + 2, k], line), plus(e, left[i + 3, k], line)
+    put(out, i, c, a)
+    put(out, i + 1, c, b)
+    put(out, i + 2, c, d)
+    put(out, i + 3, c, e)
+
+
+@kernel
 def _reach(motion: Motion, nv: int, columns: int) -> int:
-    """Y, two rows at once, by the columns of A in which they are not zero; returns its number of rows."""
-    rows, response, spots, m = motion.rows, motion.response, motion.spots, motion.filled[0]
-    for half in range((m + 1) // 2):
-        i, found = 2 * half, 0
-        for k in range(nv + 1):
-            spots[found] = k
-            if rows[i, k] != 0.0 or rows[i + 1, k] != 0.0:
-                found += 1
+    """Y and its weighted rows; returns their number."""
+    response, m = motion.response, motion.filled[0]
+    for i in range(0, m, 4):
         for c in range(0, columns, LANES):
-            one, two = none(), none()
-            for p in range(found):
-                k = spots[p]
-                line = take(response, k, c)
-                one, two = plus(one, rows[i, k], line), plus(two, rows[i + 1, k], line)
-            put(motion.reach, i, c, one)
-            put(motion.reach, i + 1, c, two)
-            put(motion.weighted, i, c, times(one, motion.weight[i]))
-            put(motion.weighted, i + 1, c, times(two, motion.weight[i + 1]))
+            _products(motion.rows, False, response, i, c, nv + 1, motion.reach)
+    for i in range(m):
+        for c in range(0, columns, LANES):
+            put(motion.weighted, i, c, times(take(motion.reach, i, c), motion.weight[i]))
     for j in range(motion.target.shape[0]):
         if motion.joint_weight[j] == 0.0:
             continue
@@ -187,15 +194,9 @@ def _reach(motion: Motion, nv: int, columns: int) -> int:
 def express_cost(motion: Motion, qp: QuadraticProgram, nv: int, n: int) -> None:
     """Make the tasks a cost of the QP's n variables: Hessian and gradient."""
     cost, m = motion.cost, _reach(motion, nv, n + 1)
-    for half in range((n + 1) // 2):
-        i = 2 * half
+    for i in range(0, n, 4):
         for c in range(i // LANES * LANES, n + 1, LANES):
-            one, two = none(), none()
-            for t in range(m):
-                line = take(motion.reach, t, c)
-                one, two = plus(one, motion.weighted[t, i], line), plus(two, motion.weighted[t, i + 1], line)
-            put(cost, i, c, one)
-            put(cost, i + 1, c, two)
+            _products(motion.weighted, True, motion.reach, i, c, m, cost)
     for i in range(n):
         qp.gradient[i] = cost[i, n]
         for j in range(i):
