@@ -81,7 +81,7 @@ ZERO = lambda now, held: 0.0 * now  # noqa: E731
         ("true", "left_knee.angle", HELD, STUCK),
         ("true", "left_knee.angle", lambda now, _: now + 0.1, JUMP),
         ("true", "left_knee.rate", lambda now, _: now + 2.0, CONTRADICTION),
-        ("estimated", "gyro", lambda now, _: now + 1.0, CONTRADICTION),
+        ("estimated", "gyro", lambda now, _: now - 1.0, CONTRADICTION),
         ("estimated", "gyro", HELD, STUCK),
         ("estimated", "accelerometer", ZERO, STUCK),
         ("estimated", "attitude", NAN, MISSING),
