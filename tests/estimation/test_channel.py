@@ -44,7 +44,7 @@ def test_a_reading_that_passes_is_kept_as_by_the_whole_check(
         for name, now, then in zip(Readings._fields, at_once, before, strict=True):
             np.testing.assert_array_equal(now, then, err_msg=name)
         return
-    assert abs(off) < 1.0 and not still and lost == 0 and what == GOOD
+    assert (abs(off) < 1.0, still, lost, what) == (True, False, 0, GOOD)
     assert judge(whole, c, DT) == GOOD
     settle(whole, c, GOOD, True)
     for name, one, other in zip(Readings._fields, at_once, whole, strict=True):
