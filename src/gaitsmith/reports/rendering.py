@@ -19,6 +19,7 @@ from gaitsmith.simulation.world import add_ground, set_options
 Array = npt.NDArray[np.float64]
 _PLATFORMS = ("egl", "osmesa")
 _SKY, _FLOOR, _GRID = (0.93, 0.95, 0.97), (0.80, 0.83, 0.86), (0.70, 0.74, 0.78)
+_BALL = (0.96, 0.47, 0.16, 1.0)
 _TURN, _LOOK_DOWN, _AWAY = 125.0, -10.0, 3.3  # degrees, degrees, heights of the robot
 
 
@@ -55,6 +56,7 @@ class Renderer:
         add_ground(spec, terrain or Terrain(), region or Region(), 0.8)
         if ball is not None:
             ball.add_to(spec, "ball_1")
+            spec.geom("ball_1").rgba = _BALL
         _dress(spec, *size)
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)

@@ -10,23 +10,24 @@ from matplotlib.image import imsave
 
 from gaitsmith.reports.rendering import Renderer
 from gaitsmith.reports.run import Run
+from gaitsmith.simulation.props import Ball
 from gaitsmith.simulation.scene_log import positions
 
 _SIZE = (240, 320)  # pixels of one picture
 _GAP = 6  # pixels
 
 
-def strip(run: Run, times: npt.ArrayLike, columns: int = 6) -> bytes:
-    """PNG with one picture for each time, s, from left to right, then down.
+def strip(run: Run, times: npt.ArrayLike, balls: npt.NDArray[np.float64] | None = None, columns: int = 6) -> bytes:
+    """PNG with one picture for each time, s, from left to right, then down; ``balls``: (n, 3) of a ball then, m.
 
     Raises:
         NoRenderer: this machine cannot draw without a display.
     """
     wanted, log = np.asarray(times, dtype=float), run.log
     where = positions(log, run.robot)[np.clip(np.searchsorted(log.time, wanted), 0, len(log.time) - 1)]
-    renderer = Renderer(run.robot, _SIZE)
+    renderer = Renderer(run.robot, _SIZE, ball=None if balls is None else Ball((0.0, 0.0, 0.0)))
     try:
-        pictures = [renderer.draw(position) for position in where]
+        pictures = [renderer.draw(position, None if balls is None else balls[k]) for k, position in enumerate(where)]
     finally:
         renderer.close()
     rows = -(-len(pictures) // columns)

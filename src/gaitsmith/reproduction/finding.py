@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from gaitsmith.reports.rendering import NoRenderer
@@ -16,6 +17,8 @@ from gaitsmith.reports.strip import strip
 from gaitsmith.view.canvas import as_svg, save
 
 Tell = Callable[[str], None]
+Motion = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+"""Times (n,), s, and places (n, 3), m."""
 AGREES, CANNOT = "agrees", "cannot be compared"
 
 
@@ -54,11 +57,12 @@ class Found:
         self.pictures.append(Picture(figure, as_svg(made), "image/svg+xml", caption))
         save(made, self.folder / f"{name or figure}.png")
 
-    def frames(self, figure: str, run: Run, begin: float, end: float) -> None:
-        """Take twelve pictures of a run in; say so where they cannot be drawn."""
+    def frames(self, figure: str, run: Run, begin: float, end: float, ball: Motion | None = None) -> None:
+        """Take twelve pictures of a run in, with a ball on its way; say so where they cannot be drawn."""
         times = np.linspace(begin, end, 12)
+        balls = None if ball is None else np.stack([np.interp(times, ball[0], way) for way in ball[1].T], axis=1)
         try:
-            content = strip(run, times)
+            content = strip(run, times, balls)
         except NoRenderer as error:
             self.pictures.append(Picture(figure, b"", "", f"no frames: {error}"))
             return

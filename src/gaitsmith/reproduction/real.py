@@ -34,6 +34,7 @@ class Real(NamedTuple):
         zmp, com: (n, 2) real, world, m; the ZMP is NaN in the air.
         plan: the plan at these instants.
         zmp_inside, com_inside: (n,) how far they are inside the planned support polygon, m.
+        ball: (n, 3) of the ball that is kicked, world, m; None without one.
     """
 
     run: Run
@@ -43,6 +44,7 @@ class Real(NamedTuple):
     plan: Samples
     zmp_inside: Array
     com_inside: Array
+    ball: Array | None = None
 
 
 class _Seen:
@@ -55,7 +57,8 @@ class _Seen:
         """Take note of a tick; never ends the run."""
         if tick % _EVERY == 0:
             zmp = self._plant.zmp() or (np.nan, np.nan)
-            self.rows.append((self._plant.time, *zmp, *self._plant.com[:2].tolist()))
+            balls = [float(part) for ball in self._plant.balls for part in ball.position]
+            self.rows.append((self._plant.time, *zmp, *self._plant.com[:2].tolist(), *balls))
         return False
 
     def hear(self, event: Mapping[str, Any]) -> None:
@@ -89,7 +92,8 @@ def walk_plan(gait: Gait, robot: Robot, name: str, folder: Path, tell: Tell, ste
         local = points - offset
         return np.array([float(inside(hulls[p], q[:, None])[0]) for p, q in zip(plan.phases, local, strict=True)])
 
-    return Real(run, time, zmp, com, plan, depth(zmp), depth(com))
+    ball = rows[:, 5:8] if rows.shape[1] > 5 else None
+    return Real(run, time, zmp, com, plan, depth(zmp), depth(com), ball)
 
 
 def _moved(plan: Samples, gait: Gait, time: Array, unrolled: UnrolledGait) -> Array:

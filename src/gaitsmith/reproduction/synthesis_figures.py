@@ -85,8 +85,10 @@ def swing_joints(trace: GaitTrace) -> Figure:
     leg = trace.robot.legs[0 if swings == "left" else 1]
     with figure(f"Fig. 11: joints of the swing leg ({swings})", 7.0, f"{trace.title}; {trace.conditions}") as made:
         curves, side = made.subplots(2, 1, height_ratios=(2.4, 1.2))
-        for joint, name in zip(leg.joint_indices, leg.joints, strict=True):
-            curves.plot(trace.time, trace.samples.position[:, 7 + joint], label=in_words(name).partition(" ")[2])
+        styles = [(colour, line) for line in ("-", "--") for colour in (LEFT, RIGHT, THIRD)]
+        for joint, name, (colour, line) in zip(leg.joint_indices, leg.joints, styles, strict=False):
+            angle, label = trace.samples.position[:, 7 + joint], in_words(name).partition(" ")[2]
+            curves.plot(trace.time, angle, color=colour, linestyle=line, label=label)
         for border in trace.gait.motion.borders[1:-1]:
             curves.axvline(float(border), color=LIMIT, linewidth=0.8, linestyle=":")
         trace.shade(curves)

@@ -60,7 +60,7 @@ def draw_push_map(
             elif calm is not None:
                 colour = to_hex(tuple(tints[i, k].tolist())) if np.isfinite(again[i, k]) else _SLOW
             axis.bar(*place, color=colour, edgecolor="white", linewidth=1.0, zorder=2)
-        _label(axis, n_directions, offset)
+        _label(axis, n_directions, n_phases, offset)
         marks: list[Artist] = []
         if calm is None:
             marks.append(Patch(facecolor=_STOOD, label=f"upright for {limit:g} s"))
@@ -95,7 +95,7 @@ def _calm(seconds: npt.NDArray[np.float64]) -> ScalarMappable | None:
     return ScalarMappable(Normalize(least, most), LinearSegmentedColormap.from_list("calm", [_STOOD, _SLOW], levels))
 
 
-def _label(axis: PolarAxes, n_directions: int, offset: float) -> None:
+def _label(axis: PolarAxes, n_directions: int, n_phases: int, offset: float) -> None:
     """Forward is up and left is left, as seen from above."""
     axis.set_theta_zero_location("N")
     axis.set_ylim(0.0, 1.0)
@@ -105,4 +105,5 @@ def _label(axis: PolarAxes, n_directions: int, offset: float) -> None:
     degrees = ((offset + np.arange(n_directions) * 360.0 / n_directions) % 360.0).tolist()
     axis.set_xticks(np.radians(degrees).tolist(), [names.get(round(angle, 6), f"{angle:g}°") for angle in degrees])
     axis.set_yticks([])
-    axis.text(0.0, 0.0, "phase of\nthe stride\ninside 0,\noutside 1", ha="center", va="center", fontsize=9.0)
+    words = "phase of\nthe stride\ninside 0,\noutside 1" if n_phases > 1 else "one phase of\nthe stride"
+    axis.text(0.0, 0.0, words, ha="center", va="center", fontsize=9.0)
