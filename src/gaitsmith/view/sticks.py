@@ -86,7 +86,7 @@ def draw_shots(axes: Axes, trace: GaitTrace, axis: int, most: int = _SHOTS) -> N
     for order, k in enumerate(chosen):
         moved = apart * order - sign * places[k]
         _figure(axes, trace, k, axis, moved, 1.0, sign)
-        if axis == 0 and "ball_1" in ball and trace.time[k] <= borders[3] + 1e-9:
+        if axis == 0 and "ball_1" in ball and trace.time[k] <= borders[3] + trace.time[1]:
             x, angle = ball["ball_1"] + trace.robot.legs[0].sole.toe + _BALL, np.linspace(0.0, 2.0 * np.pi, 40)
             circle = x + moved + _BALL * np.cos(angle), _BALL + _BALL * np.sin(angle)
             axes.plot(*circle, color=THIRD, linewidth=1.2)
