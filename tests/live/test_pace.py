@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
 import pytest
 
-from gaitsmith.live.pace import Pace
+from gaitsmith.live.pace import Pace, go_first, wait_in_line
 
 
 class Clock:
@@ -52,3 +56,17 @@ def test_what_is_lost_for_good_is_said():
     assert pace.lost == pytest.approx(4.999)
     pace.forget()
     assert (pace.ticks, pace.late, pace.lost) == (0, 0, 0.0)
+
+
+def test_it_goes_first_where_that_is_allowed_and_not_for_ever():
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        allowed, during, after = pool.submit(_scheduled).result(60.0)
+    assert after == os.SCHED_OTHER
+    assert during == (os.SCHED_RR if allowed else os.SCHED_OTHER)
+
+
+def _scheduled():
+    allowed = go_first()
+    during = os.sched_getscheduler(0)
+    wait_in_line()
+    return allowed, during, os.sched_getscheduler(0)

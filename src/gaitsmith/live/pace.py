@@ -1,7 +1,9 @@
-"""When the next tick is due: in real time, slower, or not at all; and how many came late."""
+"""When the next tick is due: in real time, slower, or not at all; how many came late; who goes first."""
 
 from __future__ import annotations
 
+import contextlib
+import os
 import time
 from collections.abc import Callable
 
@@ -66,3 +68,23 @@ class Pace:
             self.lost += behind
             self._due = now
         self._due += self._step / self._factor
+
+
+def go_first() -> bool:
+    """Let this process run ahead of ordinary ones where the system allows that; whether it does.
+
+    Round robin at the lowest real-time priority, which needs CAP_SYS_NICE or a limit ``rtprio`` above 0.
+    """
+    if not hasattr(os, "sched_setscheduler"):
+        return False
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+    except OSError:
+        return False
+    return True
+
+
+def wait_in_line() -> None:
+    """Be an ordinary process again."""
+    with contextlib.suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))

@@ -22,6 +22,7 @@ from gaitsmith.robots import Robot
 PERIOD = 1.0 / 30.0
 """s between two pictures."""
 _SLOW, _CHARTS, _STATUS = 3, 4, 8  # pictures between two of the same
+_LATE = 0.1  # % of ticks that come late from which on it is said why
 _TILE = (
     '<div style="flex:1 1 30%;min-width:92px"><div style="font-size:11px;color:#7a8594">{}</div>'
     '<div style="font-size:16px;font-weight:600;color:{}">{}</div></div>'
@@ -154,7 +155,7 @@ class Page:
             ("speed", f"{mean:.2f} m/s", dark),
             ("steps", f"{int(frame['step_count'])}", dark),
             ("real time", f"× {frame['live.speed']:.2f}", dark),
-            ("late ticks (> 1 ms)", f"{share:.2f} %", dark if share < 0.1 else "#d62828"),
+            ("late ticks (> 1 ms)", f"{share:.2f} %", dark if share < _LATE else "#d62828"),
             ("of", f"{int(ticks)} ticks", dark),
         ]
         notes = [str(words.get("trouble") or "")]
@@ -164,6 +165,8 @@ class Page:
             notes.append(f"Recording to {words['recording']}")
         elif words.get("recorded"):
             notes.append(f"Recorded: gaitsmith live {words['recorded']}")
+        if share >= _LATE and not words.get("first"):
+            notes.append("Ticks wait for other programs: no real-time priority (CAP_SYS_NICE), or too slow for it.")
         if refused:
             notes.append(f"{refused} messages refused.")
         return banner(title, colour, tiles, " ".join(filter(None, notes)))

@@ -16,7 +16,7 @@ import numpy as np
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.live.frame import Frame
 from gaitsmith.live.handover import Note, Ring
-from gaitsmith.live.pace import Pace
+from gaitsmith.live.pace import Pace, go_first, wait_in_line
 from gaitsmith.live.recording import Recording
 from gaitsmith.live.steering import Shoves, Steering
 from gaitsmith.live.wishes import FASTEST, SLOWEST, TERRAINS, WIDTH, Kind, Wish, understood
@@ -58,6 +58,7 @@ class Walker:
         frames: rows for the page.
         note: words for the page.
         frame: the present row.
+        first: whether ticks go ahead of ordinary processes.
 
     Raises:
         BadInput: the scenario does not fit the robot.
@@ -79,7 +80,7 @@ class Walker:
         self._pace = pace or Pace(simulation.plant.control_step)
         self._busy = self._published = 0.0
         self._pace_mark = (time.perf_counter(), 0.0)
-        self._speed = 1.0
+        self._speed, self.first = 1.0, False
 
     @property
     def simulation(self) -> Simulation:
@@ -119,9 +120,13 @@ class Walker:
         gc.collect()
         gc.freeze()
         gc.disable()
+        self.first = go_first()
         self._pace.restart()
         while not self._ended:
             moved = self.turn()
+            if self.first and self._pace.lost > 0.0:  # a loop that never sleeps leaves nothing to the page
+                self.first = False
+                wait_in_line()
             now = time.perf_counter()
             if now - self._published >= _FRAME:
                 self.publish(now)
@@ -279,6 +284,7 @@ class Walker:
             "trouble": self._trouble or self._recording.trouble,
             "recording": str(self._recording.folder or ""),
             "recorded": str(self._recording.done or ""),
+            "first": self.first,
         }
         if words != self._words:
             self._words = words
