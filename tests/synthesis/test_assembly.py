@@ -24,7 +24,7 @@ def program(request, planner):
         if request.param == "cyclic"
         else kick(biped, KickParameters(), standing(biped))
     )
-    trans = Transcription(biped, motion, Settings())
+    trans = Transcription(biped, motion, Settings(effort_weights={"right_knee": 3.0, "left_hip_yaw": 0.5}))
     return make_program(trans, planner.functions, trans.points())
 
 

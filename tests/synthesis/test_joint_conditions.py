@@ -1,8 +1,10 @@
 """Joints by name and mirrored postures in motions: planned, stored, mirrored, and each of them looked at."""
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
@@ -99,3 +101,27 @@ def test_joints_that_are_not_there_are_named(gait, planner, tmp_path):
     document["phases"][0]["limits"][0]["quantity"] = "wing.angle"
     with pytest.raises(BadInput, match=r"phases\[0\].limits\[0\].quantity: got 'wing'"):
         gait_of(document)
+
+
+def test_what_weighs_more_is_spared_and_the_weights_are_those_of_j(gait, planner, robot):
+    motion, settings = read_motion(EXAMPLE, planner.biped)
+    found = planner.plan(motion, settings.model_copy(update={"effort_weights": {"right_knee": 5.0, "left_knee": 0.2}}))
+    assert found.gait is not None, found.reason
+    assert verify(gait_of(gait_document(found.gait)), robot, 2).ok
+    weighed = found.gait.certificate
+    for change in ({"right_knee": 1.0}, {"right_knee": -5.0}, {"wing": 2.0}, [1.0]):
+        other = replace(found.gait, certificate=weighed | {"effort_weights": change})
+        assert not verify(other, robot, 2).ok
+    names = gait.joint_names
+    efforts = []
+    for item in (gait, found.gait):
+        torques = np.hstack([item.torques(k, t) for k, t in enumerate(_instants(item))])
+        efforts.append(np.sum(torques**2, axis=1))
+    before, after = (each[[names.index("right_knee"), names.index("left_knee")]] for each in efforts)
+    assert after[0] < before[0]
+    assert after[1] > before[1]
+
+
+def _instants(gait):
+    borders = gait.motion.borders
+    return [np.linspace(one, two, 50) for one, two in pairwise(borders)]

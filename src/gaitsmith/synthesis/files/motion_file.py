@@ -94,6 +94,10 @@ def read_motion(path: Path, biped: Biped) -> tuple[Motion, Settings]:
     text = checked(MotionText, data, path.name)
     settings = text.settings.sized(biped)
     try:
+        for name in settings.effort_weights:
+            if name not in biped.robot.joint_names:
+                valid = f"a joint: {', '.join(biped.robot.joint_names)}"
+                raise BadInput("settings.effort_weights", name, valid)
         return _motion(text, biped, settings.bounds.foot_gap), settings
     except BadInput as error:
         raise error.within(path.name) from None

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field
 
+from gaitsmith.documents import Name
 from gaitsmith.robots.parameters import Fraction, Parameters, Positive
 
 if TYPE_CHECKING:
@@ -19,6 +22,7 @@ _RATE = 1.73  # default torque rate in the robot's units of torque and time; 600
 _FASTER, _TRANSFER = np.log2(3.0), 0.30  # s
 _CLEAR = 0.5  # of the ankle's lift
 _YAW = 0.2  # of a sole's length and width, the default lever of its yaw moment
+Array = npt.NDArray[np.float64]
 Angle = Annotated[float, Field(gt=0.0, le=1.5)]
 Length = Annotated[float, Field(ge=0.0, le=1.0)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -71,6 +75,7 @@ class Settings(Parameters):
         order: degree of the joint splines: 4 as in the paper, or 5 (quintic).
         bounds: what every phase must respect.
         wrench_weight: of uᵀu in eq. (16) relative to τᵀτ; u in N and N·m.
+        effort_weights: of τ² of joints by name in eq. (16); 1 of the others.
         rate_weight: of τ̇ᵀτ̇ beside eq. (16), times the square of the robot's unit of time.
         acceleration_weight: of q̈ᵀq̈ beside eq. (16), times the square of the robot's units of torque and time squared.
         single_nodes: collocation points in a section of single support, ends included.
@@ -84,6 +89,7 @@ class Settings(Parameters):
     order: Literal[4, 5] = 5
     bounds: Bounds = Bounds()
     wrench_weight: Positive = 0.003
+    effort_weights: dict[Name, Annotated[float, Field(ge=1e-3, le=1e3)]] = Field(default_factory=dict)
     rate_weight: Weight = 2e-4
     acceleration_weight: Weight = 1e-5
     single_nodes: Annotated[int, Field(ge=3, le=20)] = 5
@@ -92,6 +98,10 @@ class Settings(Parameters):
     dense: Annotated[int, Field(ge=50, le=5000)] = 399
     tolerance: Annotated[float, Field(gt=0.0, le=1e-3)] = 1e-7
     max_iterations: Annotated[int, Field(ge=1, le=100_000)] = 1000
+
+    def weights(self, names: Sequence[str]) -> Array:
+        """(len(names),) weights of τ² of joints."""
+        return np.array([self.effort_weights.get(name, 1.0) for name in names])
 
     def sized(self, biped: Biped, transfer: float | None = None, lift: float | None = None) -> Settings:
         """The same with the lengths that were not given in the robot's size, and the weight of u that goes with it.

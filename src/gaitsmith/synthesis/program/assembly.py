@@ -41,7 +41,7 @@ class Assembly:
         layout, count = program.functions.layout, program.points.count
         self._B, self._C, self._D = _sparse(program.inputs), _sparse(program.outputs), _sparse(program.linear)
         self._pivots, self._price = ca.DM(program.pivots), ca.DM(program.price)
-        self._weight = ca.DM(program.points.weight * program.scale).T
+        self._weight = ca.DM(program.points.weight * program.scale * float(program.torque_weight.min())).T
         self._z = ca.reshape(ca.mtimes(self._B, self.x), layout.inputs, count)
         self._S = _sparse(program.smooth)
         self._effort = ca.DM(np.outer(program.effort, program.points.weight * program.scale))

@@ -38,8 +38,9 @@ class Program:
         linear: D, (rows, size).
         low, high: (rows,).
         labels: what each row says.
+        torque_weight: (joints, K) of τ² in (16).
         effort: ρ, (inputs,), of u in (16) and of the accelerations beside it.
-        smooth: S, the torque rates times the root of their weight.
+        smooth: S, the torque rates times the root of their weight, and what torques weigh more than the lightest.
         scale: of the objective.
         price: (size,) of the unknowns, a linear part of the scaled objective.
     """
@@ -54,6 +55,7 @@ class Program:
     low: Array
     high: Array
     labels: list[Label]
+    torque_weight: Array
     effort: Array
     smooth: sp.csr_matrix
     scale: float
@@ -84,13 +86,14 @@ class Program:
     def objective(self, z: Array, o: Array) -> float:
         """J of eq. (16), unscaled, without rates, accelerations and prices."""
         layout = self.functions.layout
-        torque, u = o[: layout.joints], z[layout.wrench :]
-        return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.effort[layout.wrench :] @ u**2))
+        torque, u = np.sum(self.torque_weight * o[: layout.joints] ** 2, axis=0), z[layout.wrench :]
+        return float(self.points.weight @ (torque + self.effort[layout.wrench :] @ u**2))
 
     def cost(self, z: Array, o: Array) -> float:
         """What is minimised, unscaled and without prices."""
         torque, rates = o[: self.functions.layout.joints], self.smooth @ o.T.ravel()
-        return float(self.points.weight @ (np.sum(torque**2, axis=0) + self.effort @ z**2) + rates @ rates)
+        least = self.torque_weight.min() * np.sum(torque**2, axis=0)
+        return float(self.points.weight @ (least + self.effort @ z**2) + rates @ rates)
 
     def violation(self, values: Array) -> Array:
         """By how much each row is violated, 0 where it holds."""
@@ -149,6 +152,8 @@ def make_program(
             item.tighten,
         )
     c, d = rows.matrices(inputs)
+    torque_weight = _torque_weights(trans, points)
+    rates = torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time)
     return Program(
         functions=functions,
         points=points,
@@ -160,11 +165,29 @@ def make_program(
         low=np.array(rows.low),
         high=np.array(rows.high),
         labels=rows.labels,
+        torque_weight=torque_weight,
         effort=_efforts(trans),
-        smooth=torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time),
+        smooth=sp.csr_matrix(sp.vstack([rates, _heavier(trans, points, torque_weight)])),
         scale=_SCALE / (trans.biped.effort**2 * trans.biped.fall_time),
         price=np.zeros(trans.size),
     )
+
+
+def _torque_weights(trans: Transcription, points: Points) -> Array:
+    """(joints, K) weights of τ², joints in local order."""
+    biped = trans.biped
+    own = trans.settings.weights(biped.names)
+    left = np.array([phase.side < 0.0 for phase in trans.motion.phases])[points.phase]
+    return np.where(left, own[biped.partner][:, None], own[:, None])
+
+
+def _heavier(trans: Transcription, points: Points, weight: Array) -> sp.csr_matrix:
+    """(rows, K * outputs): the sum of their squares is what joints with larger weights add to the lightest's."""
+    more = np.sqrt(np.maximum(points.weight, 0.0) * (weight - weight.min()))
+    joint, point = np.nonzero(more)
+    columns = point * trans.layout.outputs + trans.layout.torque + joint
+    shape = (len(joint), points.count * trans.layout.outputs)
+    return sp.csr_matrix((more[joint, point], (np.arange(len(joint)), columns)), shape=shape)
 
 
 def _efforts(trans: Transcription) -> Array:

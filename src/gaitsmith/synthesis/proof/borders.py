@@ -136,8 +136,15 @@ def _add(found: dict[str, float], name: str, value: float) -> None:
     found[name] = larger(found[name], float(value))
 
 
-def objective(gait: Gait, biped: Biped, finder: StateFinder, weight: float) -> float:
-    """(16): ∫ τᵀτ + ρ uᵀu dt of the file's own curves; ``weight`` is ρ, u is about the point that the foot turns about.
+def objective(gait: Gait, biped: Biped, finder: StateFinder, weight: float, joints: Array) -> float:
+    """(16): ∫ τᵀWτ + ρ uᵀu dt of the file's own curves; u is about the point that the foot turns about.
+
+    Args:
+        gait: the gait.
+        biped: the robot with all its joints.
+        finder: of its states.
+        weight: ρ.
+        joints: (n,) W, weights of the joints' torques.
 
     Joints outside the legs that are held count as well: the file's torques are all there is.
     """
@@ -147,7 +154,7 @@ def objective(gait: Gait, biped: Biped, finder: StateFinder, weight: float) -> f
     for index, group in enumerate(gait.pieces):
         phase = gait.motion.phases[index]
         for piece in group:
-            effort = shares @ np.sum(chebyshev(piece.torque, 0.5 * (nodes + 1.0)) ** 2, axis=0)
+            effort = shares @ (joints @ chebyshev(piece.torque, 0.5 * (nodes + 1.0)) ** 2)
             if phase.double:
                 times = piece.start + 0.5 * (few + 1.0) * piece.duration
                 numbers = measure(gait, biped, finder, index, times, Errors())

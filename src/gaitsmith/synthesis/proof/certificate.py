@@ -26,7 +26,7 @@ _KEYS = {
     "phase": str,
     "violation": float,
 }
-_WHOLE = {"claims", "dense_points", "objective", "wrench_weight", "worst"}
+_WHOLE = {"claims", "dense_points", "effort_weights", "objective", "wrench_weight", "worst"}
 
 
 def readings(bound: Bound) -> tuple[Array, Array, Array]:

@@ -239,7 +239,15 @@ def _judge_objective(verdict: Verdict, gait: Gait, biped: Biped, finder: StateFi
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value < np.inf:
             verdict.problems.append(f"the certificate's {key} is no number from 0")
             return
-    verdict.objective = objective(gait, biped, finder, float(weight or 0.0))
+    efforts = gait.certificate.get("effort_weights")
+    if not isinstance(efforts, dict) or not set(efforts) <= set(gait.joint_names):
+        verdict.problems.append("the certificate's effort_weights are no weights of the joints")
+        return
+    if not all(type(value) in (int, float) and 0.0 < value < np.inf for value in efforts.values()):
+        verdict.problems.append("the certificate's effort_weights are no positive numbers")
+        return
+    joints = np.array([float(efforts.get(name, 1.0)) for name in gait.joint_names])
+    verdict.objective = objective(gait, biped, finder, float(weight or 0.0), joints)
     if not abs(verdict.objective - float(told or 0.0)) <= OBJECTIVE * max(1.0, abs(verdict.objective)):
         verdict.problems.append(
             f"objective: {told:.8g} in the file's certificate, {verdict.objective:.8g} by its curves"

@@ -202,7 +202,7 @@ def finished_pieces(
 def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]) -> float:
     """J of eq. (16) over the finished curves: τᵀτ of all joints and ρ uᵀu, s."""
     nodes, shares = np.polynomial.legendre.leggauss(_SAMPLES)
-    found = 0.0
+    found, weights = 0.0, trans.settings.weights(trans.biped.robot.joint_names)
     for phase, group in enumerate(pieces):
         for piece in group:
             s = 0.5 * (nodes + 1.0)
@@ -213,9 +213,8 @@ def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]
                     if trans.motion.phases[phase].support == "right"
                     else chebyshev(piece.wrench, s)[6:]
                 )
-            effort = np.sum(chebyshev(piece.torque, s) ** 2, axis=0) + trans.settings.wrench_weight * np.sum(
-                u**2, axis=0
-            )
+            effort = weights @ chebyshev(piece.torque, s) ** 2
+            effort = effort + trans.settings.wrench_weight * np.sum(u**2, axis=0)
             found += 0.5 * piece.duration * float(shares @ effort)
     return found
 

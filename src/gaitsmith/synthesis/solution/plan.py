@@ -329,6 +329,7 @@ class Planner:
                 "dense_points": settings.dense,
                 "objective": objective_of(trans, result.x, pieces),
                 "wrench_weight": settings.wrench_weight,
+                "effort_weights": dict(settings.effort_weights),
             },
         )
 
