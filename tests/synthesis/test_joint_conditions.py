@@ -11,7 +11,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.files.gait_file import gait_document, gait_of
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.gait import follow
-from gaitsmith.synthesis.motions.motion import At, Limit, Same
+from gaitsmith.synthesis.motions.motion import RATE, At, Limit, Same
 from gaitsmith.synthesis.proof.rigorous import proof_of
 from gaitsmith.synthesis.proof.verify import verify
 
@@ -120,6 +120,23 @@ def test_what_weighs_more_is_spared_and_the_weights_are_those_of_j(gait, planner
     before, after = (each[[names.index("right_knee"), names.index("left_knee")]] for each in efforts)
     assert after[0] < before[0]
     assert after[1] > before[1]
+
+
+def test_a_phase_may_bound_torque_rates_more_than_the_others(gait, planner, robot):
+    first = gait.motion.phases[0]
+    reached = float(np.abs(gait.torque_rates(0, _instants(gait)[0])).max())
+    limit = Limit(RATE, high=0.7 * reached)
+    asked = replace(first, limits=(*first.limits, limit))
+    named = verify(with_motion(gait, phases=(asked, *gait.motion.phases[1:])), robot, SPARSE).problems
+    assert any("torque rate: " in text for text in named), named
+    motion, settings = read_motion(EXAMPLE, planner.biped)
+    phase = motion.phases[0]
+    phases = (replace(phase, limits=(*phase.limits, limit)), *motion.phases[1:])
+    found = planner.plan(replace(motion, phases=phases), settings)
+    assert found.gait is not None, found.reason
+    read = gait_of(gait_document(found.gait))
+    assert verify(read, robot, SPARSE).ok
+    assert np.abs(read.torque_rates(0, _instants(read)[0])).max() <= 0.7 * reached
 
 
 def _instants(gait):

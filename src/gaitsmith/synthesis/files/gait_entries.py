@@ -17,6 +17,7 @@ from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import (
     JOINT_QUANTITIES,
     QUANTITIES,
+    RATE,
     At,
     Condition,
     Limit,
@@ -43,6 +44,7 @@ def _quantity(name: str) -> str:
 
 
 QuantityName = Annotated[str, AfterValidator(_quantity)]
+LimitName = Annotated[str, AfterValidator(lambda name: name if name == RATE else _quantity(name))]
 Number = Annotated[float, Field(ge=-1e6, le=1e6)]
 Amount = Annotated[float, Field(ge=-1e3, le=1e3)]  # m, m/s or the sine of an angle
 Place = tuple[Amount, Amount]
@@ -70,13 +72,19 @@ class Range(Parameters):
             raise ValueError("a lower bound that is not above the upper one")
         return self
 
-    def limit(self, quantity: str) -> Limit:
-        """The bounds on a quantity; one that is not given is infinite."""
+    def limit(self, quantity: str, field: str) -> Limit:
+        """The bounds on a quantity; one that is not given is infinite.
+
+        Raises:
+            BadInput: a torque rate with a lower bound, or with none above 0.
+        """
+        if quantity == RATE and (self.low is not None or not (self.high or 0.0) > 0.0):
+            raise BadInput(field, f"{self.low} to {self.high}", "an upper bound above 0 alone, for both directions")
         return Limit(quantity, -np.inf if self.low is None else self.low, np.inf if self.high is None else self.high)
 
 
 class _LimitEntry(Range):
-    quantity: QuantityName
+    quantity: LimitName
 
 
 class _Section(Parameters):
@@ -168,9 +176,10 @@ def gait_from(document: dict[str, Any]) -> Gait:
     phases, groups, clock = [], [], 0.0
     for index, item in enumerate(entries.phases):
         groups.append(_pieces(item, f"phases[{index}].sections", clock, len(joints)))
-        limits = tuple(limit.limit(limit.quantity) for limit in item.limits)
+        place = f"phases[{index}].limits"
+        limits = tuple(limit.limit(limit.quantity, f"{place}[{k}]") for k, limit in enumerate(item.limits))
         for k, limit in enumerate(limits):
-            _check_joint(limit.quantity, joints, f"phases[{index}].limits[{k}].quantity")
+            _check_joint(limit.quantity, joints, f"{place}[{k}].quantity")
         where = (item.support, item.contact, item.foothold, item.other_foothold)
         more = item.height, item.other_height, item.heading, item.other_heading
         phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits, *more))

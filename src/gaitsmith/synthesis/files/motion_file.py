@@ -13,7 +13,7 @@ from pydantic import Field
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.files.gait_entries import Amount, Heading, Height, Place, QuantityName, Range
+from gaitsmith.synthesis.files.gait_entries import Amount, Heading, Height, LimitName, Place, QuantityName, Range
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import At, Condition, Motion, Phase, Same, State, Unloaded
@@ -46,7 +46,7 @@ class _PhaseText(Parameters):
     heading: Heading = 0.0
     other_heading: Heading = 0.0
     sections: Annotated[int, Field(ge=1, le=20)] = 1
-    limits: dict[QuantityName, _Range] = Field(default_factory=dict)
+    limits: dict[LimitName, _Range] = Field(default_factory=dict)
     joints: dict[Name, dict[_OfJoint, _Range]] = Field(default_factory=dict)
 
 
@@ -111,7 +111,7 @@ def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
     sections = sum(phase.sections for phase in text.phases)
     if sections > SECTIONS:
         raise BadInput("phases", f"{sections} sections", f"at most {SECTIONS} sections in all phases together")
-    phases = tuple(_phase(item, biped, f"phases[{k}].joints") for k, item in enumerate(text.phases))
+    phases = tuple(_phase(item, biped, f"phases[{k}]") for k, item in enumerate(text.phases))
     check_contacts(phases, text.cyclic, ("support_at", "other_at"))
     _check_footholds(phases, biped, gap)
     rest = None
@@ -139,8 +139,8 @@ def _of_joints(given: Mapping[str, Mapping[_OfJoint, _T]], biped: Biped, field: 
 
 
 def _phase(item: _PhaseText, biped: Biped, field: str) -> Phase:
-    every = item.limits | _of_joints(item.joints, biped, field)
-    limits = tuple(value.limit(name) for name, value in every.items())
+    every = item.limits | _of_joints(item.joints, biped, f"{field}.joints")
+    limits = tuple(value.limit(name, f"{field}.limits.{name}") for name, value in every.items())
     where = (item.support, item.contact, item.support_at, item.other_at)
     more = item.support_height, item.other_height, item.heading, item.other_heading
     return Phase(item.name, item.duration, *where, item.sections, limits, *more)

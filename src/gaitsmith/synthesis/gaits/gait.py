@@ -11,7 +11,18 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.splines.polynomial import polynomial as polynomial
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Condition, Limit, Motion, Phase, State, of_joint, turned
+from gaitsmith.synthesis.motions.motion import (
+    QUANTITIES,
+    RATE,
+    At,
+    Condition,
+    Limit,
+    Motion,
+    Phase,
+    State,
+    of_joint,
+    turned,
+)
 
 Array = npt.NDArray[np.float64]
 _BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded
@@ -231,7 +242,7 @@ def _imaged(quantity: str, flip: float, image: _Image) -> tuple[str, float]:
 
 def moved_value(quantity: str, value: float, away: tuple[float, float, float], flip: float) -> float:
     """A quantity's value in another place, and in the mirror image if ``flip`` is -1; a joint's stays."""
-    if of_joint(quantity) is not None:
+    if quantity == RATE or of_joint(quantity) is not None:
         return value
     part, axis, _ = QUANTITIES[quantity]
     turned = axis != 1 if part in ("foot", "torso") else axis == 1  # roll and yaw, and y, change sign

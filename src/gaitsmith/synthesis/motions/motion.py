@@ -48,6 +48,10 @@ JOINT_QUANTITIES = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s�
 """What of a joint a motion may bound or fix, as the quantity ``NAME.angle``, and in which unit."""
 
 
+RATE = "torque_rate"
+"""The largest change of every joint's torque with time, N·m/s, as the quantity of a limit."""
+
+
 def of_joint(quantity: str) -> tuple[str, str] | None:
     """The joint, and what of it, that a quantity is about; None for one of :data:`QUANTITIES`."""
     name, _, what = quantity.rpartition(".")
@@ -57,12 +61,14 @@ def of_joint(quantity: str) -> tuple[str, str] | None:
 def unit_of(quantity: str) -> str:
     """Of a quantity's value; rad where its sine is counted."""
     joint = of_joint(quantity)
+    if quantity == RATE:
+        return "N·m/s"
     return QUANTITIES[quantity].unit if joint is None else JOINT_QUANTITIES[joint[1]]
 
 
 def by_sine(quantity: str) -> bool:
     """Whether the value of a quantity is the sine of an angle."""
-    return of_joint(quantity) is None and QUANTITIES[quantity].unit == "rad"
+    return of_joint(quantity) is None and unit_of(quantity) == "rad"
 
 
 def turned(point: tuple[float, float], angle: float) -> tuple[float, float]:
@@ -87,7 +93,8 @@ class Limit:
     """Bounds on a quantity of the other foot, the torso or a joint during a phase; of feet and torso sines of angles.
 
     Positions are those of :attr:`Phase.straight`: the world's, turned about the support sole if that is turned.
-    ``quantity`` is one of :data:`QUANTITIES`, or ``NAME.angle``, ``NAME.torque``, …, as in :data:`JOINT_QUANTITIES`.
+    ``quantity`` is one of :data:`QUANTITIES`, or ``NAME.angle``, ``NAME.torque``, …, as in :data:`JOINT_QUANTITIES`,
+    or :data:`RATE`.
     """
 
     quantity: str
@@ -162,6 +169,10 @@ class Phase:
     def other_foot(self) -> Side:
         """The foot that is not the support."""
         return opposite(self.support)
+
+    def steepest(self, most: float) -> float:
+        """The largest torque rate here, where ``most`` is that of every phase, N·m/s."""
+        return min([most, *(limit.high for limit in self.limits if limit.quantity == RATE)])
 
     def place(self, foot: Side) -> tuple[float, float] | None:
         """(x, y) of a foot's sole, world, m; None in the air."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Motion, Phase, of_joint, unit_of
+from gaitsmith.synthesis.motions.motion import QUANTITIES, RATE, Motion, Phase, of_joint, unit_of
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import layout_of
 
@@ -315,6 +315,8 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
         found.append(_sine(f"torso {name}", form, -tilt, tilt, 2 * tilt))
     found += _foot_bounds(biped, bounds, motion, index)
     for limit in phase.limits:
+        if limit.quantity == RATE:
+            continue  # with the bound on all torque rates: rates.py
         unit = unit_of(limit.quantity)
         if of_joint(limit.quantity) is not None:
             out, inp, span = joint_form(biped, phase, limit.quantity)

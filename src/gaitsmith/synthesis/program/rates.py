@@ -26,7 +26,12 @@ def rate_name(trans: Transcription, phase: int, local: int) -> str:
 def rate_label(trans: Transcription, phase: int, bound: int, time: float) -> Label:
     """What the row of a rate's bound says."""
     name = rate_name(trans, phase, bound - len(trans.bounds[phase]))
-    return Label(name, UNIT, phase, time, 2.0 * trans.settings.bounds.torque_rate, kind=Kind.TORQUE)
+    return Label(name, UNIT, phase, time, 2.0 * steepest(trans, phase), kind=Kind.TORQUE)
+
+
+def steepest(trans: Transcription, phase: int) -> float:
+    """The bound on torque rates in a phase, N·m/s."""
+    return trans.motion.phases[phase].steepest(trans.settings.bounds.torque_rate)
 
 
 def rate_form(trans: Transcription, where: dict[tuple[int, float], int], phase: int, bound: int, time: float) -> Form:

@@ -13,7 +13,18 @@ from typing import Any
 import numpy as np
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Motion, Phase, Side, by_sine, of_joint, unit_of
+from gaitsmith.synthesis.motions.motion import (
+    QUANTITIES,
+    RATE,
+    At,
+    Limit,
+    Motion,
+    Phase,
+    Side,
+    by_sine,
+    of_joint,
+    unit_of,
+)
 
 LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something
 ROUNDING = 1e-9  # share of a bound's range: the resolution of a file's numbers
@@ -106,7 +117,7 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
         index: of the phase.
     """
     phase = motion.phases[index].straight
-    items = [*joint_limits(found, biped, bounds), *_contact(found, biped, bounds, phase, phase.support)]
+    items = [*joint_limits(found, biped, bounds, phase), *_contact(found, biped, bounds, phase, phase.support)]
     if phase.double:
         items += _contact(found, biped, bounds, phase, phase.other_foot)
     tall = biped.height
@@ -122,6 +133,8 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
     items.append(_angle("torso yaw", found.torso[1, 0] * toward, bounds["torso_yaw"], feet))
     items += _foot(found, biped, bounds, motion, index)
     for limit in phase.limits:
+        if limit.quantity == RATE:
+            continue  # among the joints' limits
         value, unit = quantity(found, biped, phase, limit.quantity), unit_of(limit.quantity)
         span = range_of(biped, limit.quantity)
         bound = Bound(limit.quantity, unit, value, limit.low, limit.high, span, sine=by_sine(limit.quantity))
@@ -161,7 +174,7 @@ def allowed_of(biped: Biped, name: str) -> float:
     return CONDITION * (1.0 if of_joint(name) is None else max(1.0, range_of(biped, name)))
 
 
-def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Iterator[Bound]:
+def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float], phase: Phase) -> Iterator[Bound]:
     """(10), (11): the card's limits, of torque and velocity the share that may be used; how fast torques may change."""
     robot = biped.robot
     for k, name in enumerate(robot.joint_names):
@@ -172,7 +185,8 @@ def joint_limits(found: Measured, biped: Biped, bounds: dict[str, float]) -> Ite
         fast = float(robot.velocity_limit[k]) * bounds["velocity"]
         yield Bound(f"{name} velocity", "rad/s", found.v[k], -fast, fast, 2.0 * fast)
         if found.moving[k]:
-            steep = bounds["torque_rate"]
+            asked = [limit.high for limit in phase.limits if limit.quantity == RATE]
+            steep = min([bounds["torque_rate"], *asked])
             yield Bound(f"{name} torque rate", "N·m/s", found.rate[k], -steep, steep, 2.0 * steep)
 
 

@@ -5,7 +5,17 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from gaitsmith.synthesis.motions.motion import QUANTITIES, At, Limit, Phase, about_vertical, of_joint, turned, unit_of
+from gaitsmith.synthesis.motions.motion import (
+    QUANTITIES,
+    RATE,
+    At,
+    Limit,
+    Phase,
+    about_vertical,
+    of_joint,
+    turned,
+    unit_of,
+)
 from gaitsmith.synthesis.program.bounds import quantity_form
 from gaitsmith.synthesis.program.transcription import Transcription
 
@@ -55,6 +65,8 @@ def _resting(trans: Transcription, neighbour: int, phase: Phase, quantity: str) 
     """A quantity of the other foot as it lies flat in a neighbouring phase; None where it does not."""
     phases = trans.motion.phases
     if phase.double or not 0 <= neighbour < len(phases) or of_joint(quantity) is not None:
+        return None
+    if quantity == RATE:
         return None
     if QUANTITIES[quantity].part not in _PLACED:
         return None

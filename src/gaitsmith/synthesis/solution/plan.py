@@ -41,6 +41,7 @@ from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
 from gaitsmith.synthesis.solution.neighbour import near_bounds, rescaled
 from gaitsmith.synthesis.solution.rate_check import (
+    asked_too_fast,
     fastest,
     largest_rate,
     rate_margins,
@@ -222,7 +223,11 @@ class Planner:
             times["check"] += time.perf_counter() - clock
             excess, last = worst_excess(checks), result.rounds - first >= settings.refinements
             kept, fast = excess <= 0.0 and settled, too_fast(trans, rates)
-            if kept and (not (fast or relaxation.unbounded) or relaxation.accepts(largest_rate(rates), last)):
+            asked = asked_too_fast(trans, rates)
+            if kept and (
+                not (fast or relaxation.unbounded or asked)
+                or (not asked and relaxation.accepts(largest_rate(rates), last))
+            ):
                 break
             if last:
                 worst = certificate(trans, checks)

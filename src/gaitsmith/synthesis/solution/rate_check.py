@@ -14,7 +14,7 @@ from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
-from gaitsmith.synthesis.program.rates import UNIT, rate_name
+from gaitsmith.synthesis.program.rates import UNIT, rate_name, steepest
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.bound_check import BoundCheck
 from gaitsmith.synthesis.solution.certificate import merge
@@ -66,23 +66,34 @@ def largest_rate(rates: list[Rates]) -> float:
 
 def too_fast(trans: Transcription, rates: list[Rates]) -> bool:
     """Whether any rate exceeds its bound; quartics jump, so that they have none."""
-    return trans.settings.order > 4 and largest_rate(rates) > (1.0 - _BETWEEN) * trans.settings.bounds.torque_rate
+    return trans.settings.order > 4 and max(_ratios(trans, rates)) > 1.0 - _BETWEEN
+
+
+def _ratios(trans: Transcription, rates: list[Rates]) -> list[float]:
+    """Of every phase, the largest rate as a share of its bound."""
+    return [float(np.abs(item.values).max()) / steepest(trans, phase) for phase, item in enumerate(rates)]
+
+
+def asked_too_fast(trans: Transcription, rates: list[Rates]) -> bool:
+    """Whether a rate exceeds a phase's own bound, which is never relaxed."""
+    ratios = zip(trans.motion.phases, _ratios(trans, rates), strict=True)
+    return any(np.isfinite(phase.steepest(np.inf)) and ratio > 1.0 - _BETWEEN for phase, ratio in ratios)
 
 
 def fastest(trans: Transcription, rates: list[Rates]) -> str:
     """The largest rate beside its bound, in words."""
-    phase = int(np.argmax([np.abs(item.values).max() for item in rates]))
+    phase = int(np.argmax(_ratios(trans, rates)))
     values = rates[phase].values
     local = int(np.argmax(np.abs(values).max(axis=1)))
-    pair = f"{np.abs(values[local]).max():.4g} of {trans.settings.bounds.torque_rate:.4g} {UNIT}"
+    pair = f"{np.abs(values[local]).max():.4g} of {steepest(trans, phase):.4g} {UNIT}"
     return f"{rate_name(trans, phase, local)} {pair} in {trans.motion.phases[phase].name}"
 
 
 def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBound]) -> list[ImposedBound]:
     """The imposed bounds, with each joint's largest excess in every section added or tightened."""
-    most = (1.0 - _BETWEEN) * trans.settings.bounds.torque_rate
     found = list(imposed)
     for phase, item in enumerate(rates):
+        most = (1.0 - _BETWEEN) * steepest(trans, phase)
         sections = trans.instants(phase, item.times).section
         for section in range(
             trans.first_section[phase], trans.first_section[phase] + trans.motion.phases[phase].sections
@@ -112,13 +123,16 @@ def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBou
 
 
 def rate_margins(gait: Gait, most: float, moving: Sequence[str], count: int) -> dict[str, Worst]:
-    """Worst torque rates of the joints that move, at ``count`` instants a phase of a finished gait."""
+    """Worst torque rates of the joints that move, at ``count`` instants a phase of a finished gait.
+
+    ``most``: where a phase has no bound of its own.
+    """
     found: dict[str, Worst] = {}
     places = [gait.joint_names.index(name) for name in moving]
     names = [f"{name} torque rate" for name in moving]
-    bounds = [PhaseBound(Kind.TORQUE, name, UNIT, {}, {}, -most, most, 2.0 * most) for name in names]
     borders = gait.motion.borders
     for index, phase in enumerate(gait.motion.phases):
-        times = np.linspace(borders[index], borders[index + 1], count)
+        times, here = np.linspace(borders[index], borders[index + 1], count), phase.steepest(most)
+        bounds = [PhaseBound(Kind.TORQUE, name, UNIT, {}, {}, -here, here, 2.0 * here) for name in names]
         merge(found, phase, bounds, times, gait.torque_rates(index, times)[places])
     return found
