@@ -25,7 +25,7 @@ def test_steps_are_as_long_as_speed_times_duration(walk: Run) -> None:
         assert len(own) >= 3
         mean = float(np.mean([step.length for step in own]))
         assert mean == pytest.approx(0.2 * float(np.mean([step.duration for step in own])), abs=0.01)
-    assert all(step.raised == pytest.approx(step.lift, rel=0.15) for step in steps)
+    assert all(step.raised == pytest.approx(step.lift, rel=0.03) for step in steps)
     assert all(step.hip == pytest.approx(step.height, abs=5e-3) for step in steps)
 
 

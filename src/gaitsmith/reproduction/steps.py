@@ -23,7 +23,7 @@ class Step:
         length: of this foothold ahead of the other, along the heading, m.
         speed, height, lift: told, m/s and m.
         hip: mean height of the hips above the stance sole, m.
-        raised: height of the swing sole above the ground at its highest, m.
+        raised: height of the swing sole above the stance sole at its highest, m.
         since: steps since the last change of what is told.
     """
 
@@ -55,7 +55,7 @@ def steps_of(run: Run) -> list[Step]:
         other, own = 3 * (1 - side), 3 * side
         heading = np.array([np.cos(record.yaw[last]), np.sin(record.yaw[last])])
         ahead = record.sole_position[last, own : own + 2] - record.sole_position[last, other : other + 2]
-        swing = record.sole_position[first:last, own + 2]
+        swing, stance = record.sole_position[first:last, own + 2], record.sole_position[first:last, other + 2]
         found.append(
             Step(
                 time=float(record.time[last]),
@@ -67,7 +67,7 @@ def steps_of(run: Run) -> list[Step]:
                 height=now[1],
                 lift=now[2],
                 hip=float(np.mean(record.height[first:last])),
-                raised=float(swing.max() - record.sole_position[last, own + 2]),
+                raised=float(swing.max() - np.mean(stance)),  # a sole that lands may be on its heel or toe
                 since=since,
             )
         )

@@ -123,9 +123,11 @@ def height_and_lift(record: Recording, steps: list[Step]) -> Figure:
             axis.plot(when, [step.hip for step in own], "o", ms=4, mfc="none", color=THIRD, label="support")
             low = [step.hip - step.raised for step in own]
             axis.plot(when, low, "o", ms=4, mfc="none", color=COMMAND, label="support less lift")
+            wanted = [step.height - step.lift for step in own]
+            axis.plot(when, wanted, "_", ms=9, mew=1.5, color=_TOLD, label="reference less lift")
             axis.set(title=title, xlabel="time, s", xlim=(float(time[0]), float(time[-1])))
         axes[0].set_ylabel("height, m")
-        made.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        made.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return made
 
 
