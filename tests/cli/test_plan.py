@@ -112,7 +112,7 @@ def test_what_a_planned_walk_cannot_do_is_one_line(gait, words, told, capsys):
         (["plan", "cyclic", "--speed", "nan"], 2),
         (["plan", "cyclic", "--speed", "0.4", "--step-length", "0.3", "--period", "0.5"], 2),
         (["plan", "cyclic", "--order", "6"], 2),
-        (["plan", "cyclic", "--robot", "bhr_b2"], 2),
+        (["plan", "kick", "--robot", "bhr_b2"], 2),
         (["plan", "cyclic", "--out", "/nowhere/gait.json"], 2),
         (["plan", "kick", "--period", "1"], 2),
         (["plan", "cyclic", "--step-length", "0.8", "--period", "1.0"], 3),

@@ -145,6 +145,15 @@ def test_pushed_over_its_stance_leg_the_robot_waits_and_pushed_away_from_it_it_d
     assert away == pytest.approx(plain)
 
 
+def test_in_flight_neither_clock_nor_footholds_answer_to_a_push():
+    world, push = World(), np.array([0.0, 0.05, 0.0])
+    world.following.plan.contact[0] = NONE
+    for _ in range(round(0.1 / DT)):
+        world.tick(push=push)
+    assert world.following.clock.time[0] == pytest.approx(0.1)
+    np.testing.assert_array_equal(world.following.state.foothold, 0.0)
+
+
 def test_small_errors_are_left_to_the_centre_of_pressure():
     world = World()
     for _ in range(round(0.05 / DT)):

@@ -48,3 +48,9 @@ def test_a_step_and_the_templates_two_phases_are_schedules():
 )
 def test_contradictions_are_refused(phases, cyclic, field):
     assert refused(*phases, cyclic=cyclic) == field
+
+
+def test_a_flight_needs_no_sole_on_the_ground_and_ends_by_contact():
+    flight = replace(BOTH, contact=(NONE, NONE))
+    Schedule((BOTH, flight, replace(flight, end=BY_CONTACT), BOTH))
+    assert refused(BOTH, flight, BOTH, cyclic=False) == "phases[2].support"  # nothing tells when it is over

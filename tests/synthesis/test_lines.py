@@ -12,7 +12,7 @@ from gaitsmith.simulation.plant import Plant
 from gaitsmith.synthesis import Planner, Request, StepParameters, answer
 from gaitsmith.synthesis.files.gait_file import gait_document, gait_of, require_robot
 from gaitsmith.synthesis.gaits.full_state import StateFinder
-from gaitsmith.synthesis.gaits.gait import unrolled
+from gaitsmith.synthesis.gaits.gait import ROLL, unrolled
 from gaitsmith.synthesis.gaits.support import hull, inside
 from gaitsmith.synthesis.gaits.walkable import walkable
 from gaitsmith.synthesis.motions.catalogue import cyclic
@@ -59,9 +59,9 @@ def test_no_lean_but_the_right_one_is_accepted(gait, robot):
     """The equation of motion of the lean is checked, since no torque makes up for what is wrong with it."""
     bump = np.array([0.0, 0.0, 0.0, 64.0, -192.0, 192.0, -64.0])  # and two derivatives zero at both ends
     pieces = [list(group) for group in gait.pieces]
-    lean = pieces[0][0].lean.copy()
-    lean[0, : len(bump)] += DEFORMED * bump
-    pieces[0][0] = replace(pieces[0][0], lean=lean)
+    root = pieces[0][0].root.copy()
+    root[0, : len(bump)] += DEFORMED * bump
+    pieces[0][0] = replace(pieces[0][0], root=root)
     changed = replace(gait, pieces=tuple(map(tuple, pieces)))
     problems = " ".join(verify(changed, robot).problems)
     assert "dynamics residual" in problems
@@ -70,18 +70,18 @@ def test_no_lean_but_the_right_one_is_accepted(gait, robot):
 def test_the_file_keeps_leans_and_is_refused_without_them(gait, robot):
     again = gait_of(gait_document(gait))
     times = np.linspace(0.0, 0.1, 7)
-    assert np.array_equal(again.leans(0, times), gait.leans(0, times))
+    assert np.array_equal(again.roots(0, times), gait.roots(0, times))
     require_robot(again, robot)
     document = gait_document(gait)
-    del document["phases"][1]["sections"][0]["lean"]
-    with pytest.raises(BadInput, match="lean"):
+    del document["phases"][1]["sections"][0]["root"]
+    with pytest.raises(BadInput, match="root"):
         require_robot(gait_of(document), robot)
 
 
 def test_the_next_step_leans_the_other_way(gait, planner):
     two = unrolled(gait, planner.biped.partner, planner.biped.sign, 2)
     phases, times = len(gait.motion.phases), np.linspace(0.0, 0.13, 5)
-    assert np.allclose(two.leans(phases, gait.duration + times), -gait.leans(0, times), atol=1e-12)
+    assert np.allclose(two.roots(phases, gait.duration + times)[:, ROLL], -gait.roots(0, times)[:, ROLL], atol=1e-12)
 
 
 def test_a_leaning_robot_turns_about_its_line(robot):
@@ -92,8 +92,9 @@ def test_a_leaning_robot_turns_about_its_line(robot):
 
     def at(t):
         joints = q + t * v + 0.5 * t * t * a, v + t * a, a
-        rolled = np.array([lean[0] + t * lean[1] + 0.5 * t * t * lean[2], lean[1] + t * lean[2], lean[2]])
-        state = finder.find("right", (0.2, -0.1), *joints, rolled)
+        root = np.zeros((3, 6))
+        root[:, ROLL] = lean[0] + t * lean[1] + 0.5 * t * t * lean[2], lean[1] + t * lean[2], lean[2]
+        state = finder.find("right", (0.2, -0.1), *joints, root)
         return state, [finder.foot("right", np.array([x, 0.0, 0.0])) for x in (-0.07, 0.12)]
 
     (before, _), (now, line), (after, _) = (at(t) for t in (-h, 0.0, h))

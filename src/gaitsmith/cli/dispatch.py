@@ -90,7 +90,9 @@ COMMANDS: dict[tuple[str, ...], Command] = {
     ("adopt",): Command("gaitsmith.cli.adopt", "adopt", "a card for a robot from its model alone, tested"),
     ("tune",): Command("gaitsmith.cli.tune", "tune", "gains found by search, and what they gain"),
     ("live",): Command("gaitsmith.cli.live", "live", "a page to watch and steer a walk, or to replay a recorded run"),
-    ("plan",): Command("gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, sweep, or a file"),
+    ("plan",): Command(
+        "gaitsmith.cli.plan", "plan", "plan a gait: cyclic, start, stop, walk, kick, jump, sweep, or a file"
+    ),
     ("library", "build"): Command("gaitsmith.cli.library", "build", "a grid of gaits planned into a folder"),
     ("library", "show"): Command("gaitsmith.cli.library", "show", "what a library of gaits holds"),
     ("verify",): Command("gaitsmith.cli.verify", "verify", "check a gait file against physics"),

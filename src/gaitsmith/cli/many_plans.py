@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from gaitsmith.cli.dispatch import DONE, NOT_SOLVED, Outcome, Table, Text
 from gaitsmith.cli.inputs import named_robot
+from gaitsmith.errors import BadInput
 
 if TYPE_CHECKING:
     from gaitsmith.synthesis.proof.claims import Claim
@@ -58,6 +59,9 @@ def claims(robot_name: str) -> Outcome:
     items: list[Claim] = []
     with Display() as display:
         planner = Planner(robot, display.slow)
+        if planner.biped.lines:
+            valid = "a robot whose soles have an area"
+            raise BadInput("--robot", robot_name, valid, "the paper's steps turn about heel and toe")
         for choice, bounds, dynamic in _CHOICES:
             gaits = []
             for step in (StepParameters(0.15, 1.0), StepParameters(**dynamic)):

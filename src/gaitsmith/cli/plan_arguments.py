@@ -12,14 +12,14 @@ from gaitsmith.cli.arguments import Arguments, Positional, flag
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.options import RobotName
-from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
+from gaitsmith.synthesis.motions.catalogue import JumpParameters, KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import LEG, Bounds, Settings
 from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOST_CYCLES, RANGES, Request, stride
 
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
 _BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields
 _WALKS = ("cyclic", "start", "stop", "walk")
-_NAMED = (*_WALKS, "kick", "stairs", "turn")
+_NAMED = (*_WALKS, "kick", "stairs", "turn", "jump")
 _STEPS = (3, 60)  # of stairs or a turn
 _ANGLES = (1.0, 40.0)  # degrees a step
 _APPLIES: dict[str, tuple[str, ...]] = {
@@ -30,6 +30,7 @@ _APPLIES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("rise", "tread"), ("stairs",)),
     "steps": ("stairs", "turn"),
     "angle": ("turn",),
+    "jump_height": ("jump",),
     "cycles": ("walk",),
     "free_times": _WALKS,
     "jobs": (SWEEP,),
@@ -49,7 +50,7 @@ def _usual(value: float, flag: str) -> str:
 
 
 class PlanArguments(Arguments):
-    """Plan a motion: cyclic, start, stop, walk, kick, stairs, turn, sweep, or a motion file (TOML).
+    """Plan a motion: cyclic, start, stop, walk, kick, stairs, turn, jump, sweep, or a motion file (TOML).
 
     Of speed, step length and period any two decide the third; one alone follows the paper's two gaits. Lengths and
     times that are defaults hold for hips 0.39 m high; a robot of another size gets them in proportion. Where a speed
@@ -59,7 +60,7 @@ class PlanArguments(Arguments):
     motion: Annotated[
         str | None,
         Positional(
-            "cyclic, start, stop, walk, kick, stairs, turn, sweep, or the path of a motion file",
+            "cyclic, start, stop, walk, kick, stairs, turn, jump, sweep, or the path of a motion file",
             metavar="MOTION",
             absent="cyclic",
         ),
@@ -107,6 +108,11 @@ class PlanArguments(Arguments):
         About("Height of a kick's raised ankle above its height on the ground", "m", "M", KickParameters.height),
     ] = None
     x_max: Annotated[Reach | None, About("How far ahead a kick's ankle swings", "m", "M", KickParameters.reach)] = None
+    jump_height: Annotated[
+        float | None,
+        Field(ge=0.005, le=0.3),
+        About("Height of a jump's soles above the ground", "m", "M", JumpParameters.height),
+    ] = None
     rise: Annotated[
         float | None,
         Field(ge=-0.5, le=0.5),
@@ -198,6 +204,12 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG, usual: f
             raise BadInput("--speed", arguments.speed, f"{KICK_SPEEDS[0]:g} to {KICK_SPEEDS[1]:g} for a kick")
         given = _given(speed=arguments.speed, ball=arguments.ball, height=arguments.kick_height, reach=arguments.x_max)
         return Request("kick", kick=KickParameters(**given), settings=settings)
+    if task == "jump":
+        size, usual_jump = leg / LEG, JumpParameters()
+        height = size * usual_jump.height if arguments.jump_height is None else arguments.jump_height
+        push, land = usual_jump.durations
+        durations = (push * size**0.5, land * size**0.5)
+        return Request("jump", jump=JumpParameters(height, durations), settings=settings)
     if task == "stairs":
         return _stairs(arguments, settings, leg)
     if task == "turn":

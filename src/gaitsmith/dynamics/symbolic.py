@@ -85,7 +85,7 @@ def _joint_steps(model: Any, body: int, held: Mapping[int, float]) -> list[_Shif
         if dof not in held:
             steps.append(_Joint(axis, dof, qpos, float(reference), kind == _HINGE, 1.0))
         elif kind == _HINGE:
-            shift(np.zeros(3), np.array(ca.DM(_turn(axis, ca.DM(held[dof] - reference)))))
+            shift(np.zeros(3), np.array(ca.DM(turn_about(axis, ca.DM(held[dof] - reference)))))
         else:
             shift(axis * (held[dof] - reference), np.eye(3))
         shift(-anchor, np.eye(3))
@@ -129,7 +129,7 @@ def _links(model: Any, root: int, held: Mapping[int, float]) -> list[_Link]:
     return found
 
 
-def _turn(axis: Array, angle: Any) -> Any:
+def turn_about(axis: Array, angle: Any) -> Any:
     """Rotation matrix about a unit axis."""
     outer = np.outer(axis, axis)
     return ca.DM(outer) + ca.cos(angle) * ca.DM(np.eye(3) - outer) + ca.sin(angle) * ca.DM(np.array(ca.skew(axis)))
@@ -200,7 +200,7 @@ def _advance(motion: BodyMotion, step: _Shift | _Joint, q: Any, v: Any, a: Any) 
     axis = ca.DM(step.axis)
     s, sd, sdd = step.sign * (q[step.qpos] - step.reference), step.sign * v[step.dof], step.sign * a[step.dof]
     if step.hinge:
-        R = _turn(step.axis, s)
+        R = turn_about(step.axis, s)
         omega = ca.mtimes(R.T, m.omega)
         return BodyMotion(
             ca.mtimes(m.rotation, R),
@@ -268,7 +268,7 @@ def newton_euler(
         current = motion[link.parent]
         for index, step in enumerate(link.steps):
             if isinstance(step, _Joint) and step.hinge:
-                rotations[link.body, index] = _turn(step.axis, step.sign * (q[step.qpos] - step.reference))
+                rotations[link.body, index] = turn_about(step.axis, step.sign * (q[step.qpos] - step.reference))
             current = _advance(current, step, q, v, a)
         motion[link.body] = current
         first, at = carrier[link.parent]
@@ -335,20 +335,3 @@ def at_rest(model: Any, rotation: Any = None, position: Any = None) -> BodyMotio
     p = ca.DM.zeros(3) if position is None else ca.DM(position)
     zero = ca.DM.zeros(3)
     return BodyMotion(R, p, zero, zero, zero, -ca.mtimes(R.T, ca.DM(model.opt.gravity)))
-
-
-def about_edge(model: Any, rotation: Array, point: Array, angle: Any, rate: Any, pull: Any) -> BodyMotion:
-    """Motion of a root that turns about the inertial frame's x axis, on which a point of it stays.
-
-    Args:
-        model: the ``MjModel``.
-        rotation: (3, 3) root to inertial frame at angle zero.
-        point: (3,) in the root's frame, at the inertial frame's origin, m.
-        angle, rate, pull: rad, rad/s, rad/s².
-    """
-    R = ca.mtimes(_turn(np.array([1.0, 0.0, 0.0]), angle), ca.DM(rotation))
-    axis, arm = ca.DM(rotation.T[:, 0]), ca.DM(-point)
-    omega, alpha = axis * rate, axis * pull
-    speed = ca.cross(omega, arm)
-    pulled = ca.cross(alpha, arm) + ca.cross(omega, speed) - ca.mtimes(R.T, ca.DM(model.opt.gravity))
-    return BodyMotion(R, ca.mtimes(R, arm), omega, speed, alpha, pulled)

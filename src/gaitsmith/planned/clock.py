@@ -67,6 +67,12 @@ def is_swing(plan: PlanTable, section: int) -> bool:
 
 
 @kernel
+def flies(plan: PlanTable, section: int) -> bool:
+    """Whether all soles are in the air in a section."""
+    return bool(plan.contact[section, plan.support[section]] == NONE)
+
+
+@kernel
 def _following(plan: PlanTable, clock: PlanClock, visit: int) -> int:
     """The visit after another one, -1 after the last. Passes are counted from the clock's present one."""
     if visit + 1 == plan.loop_end and (plan.passes == ENDLESS or clock.pass_number[0] + 1 < plan.passes):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from gaitsmith.compiled import Cube, Matrix, Vector, kernel
-from gaitsmith.planned.clock import ON_TIME, advance, is_swing, next_stretch
+from gaitsmith.planned.clock import ON_TIME, advance, flies, is_swing, next_stretch
 from gaitsmith.planned.evaluate import evaluate, orientation
 from gaitsmith.planned.footholds import (
     choose_footholds,
@@ -98,7 +98,7 @@ def _move_soles(g: Following, section: int, com: Vector, com_velocity: Vector, d
     state.error[0] = cos * dx + sin * dy - motion[0, COM] - motion[1, COM] / law.omega
     state.error[1] = cos * dy - sin * dx - motion[0, COM + 1] - motion[1, COM + 1] / law.omega
     left = max(plan.stretch_duration[section] - plan.stretch_start[section] - clock.time[0], 0.0)
-    landing = next_stretch(plan, clock) if is_swing(plan, section) else -1
+    landing = next_stretch(plan, clock) if is_swing(plan, section) and not flies(plan, section) else -1
     state.goal[0], state.goal[1] = 0.0, 0.0
     if landing >= 0:
         choose_footholds(g, section, plan.sequence[landing], left)

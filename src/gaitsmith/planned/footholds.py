@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from gaitsmith.compiled import Cube, Matrix, kernel
-from gaitsmith.planned.clock import PlanClock, next_stretch
+from gaitsmith.planned.clock import PlanClock, flies, next_stretch
 from gaitsmith.planned.law import Following, FollowLaw, FollowState
 from gaitsmith.planned.table import PER_SOLE, SOLES, PlanTable
 from gaitsmith.whole_body.reference import HEEL, NONE, TOE
@@ -147,12 +147,14 @@ def choose_footholds(g: Following, section: int, following: int, left: float) ->
 
 @kernel
 def swing_pace(plan: PlanTable, law: FollowLaw, section: int, state: FollowState) -> float:
-    """Rate of the plan's clock in a swing: the divergent component's lateral place tells the time.
+    """Rate of the plan's clock in a swing, 1 in flight: the divergent component's lateral place tells the time.
 
     It grows towards the side of the swing sole. Pushed over its stance leg, the robot waits until the CoP has brought
     it back; pushed the other way it keeps the time, and the foothold makes up for it.
     """
     lead = 0.0
+    if flies(plan, section):
+        return 1.0
     for row in range(plan.contact.shape[1]):
         if plan.contact[section, row] == NONE and state.support[0] == plan.support[section]:
             away = plan.motion[section, 0, SOLES + PER_SOLE * row + 1]

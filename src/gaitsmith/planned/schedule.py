@@ -23,7 +23,7 @@ class ContactPhase:
     Attributes:
         name: what reports call it.
         duration: s.
-        support: row of the sole that stands flat throughout, and that positions are relative to.
+        support: row of the sole that stands flat throughout, or stood before a flight; positions are relative to it.
         contact: kind of every sole's contact: NONE, FLAT, HEEL or TOE.
         end: BY_CLOCK or BY_CONTACT.
     """
@@ -83,7 +83,7 @@ def _check_phase(phase: ContactPhase, field: str, soles: int) -> None:
             raise BadInput(f"{field}.contact", given, ", ".join(f"{key} ({name})" for key, name in _KINDS.items()))
     if not 0 <= phase.support < soles:
         raise BadInput(f"{field}.support", phase.support, f"0 to {soles - 1}")
-    if phase.contact[phase.support] != FLAT:
+    if any(phase.bearing) and phase.contact[phase.support] != FLAT:
         kind = _KINDS[phase.contact[phase.support]]
         raise BadInput(f"{field}.support", phase.support, "a sole that stands flat", f"its contact is {kind}")
     if phase.end not in (BY_CLOCK, BY_CONTACT):
@@ -93,7 +93,7 @@ def _check_phase(phase: ContactPhase, field: str, soles: int) -> None:
 
 
 def _check_pair(before: ContactPhase, after: ContactPhase, earlier: str, later: str) -> None:
-    if not before.bearing[after.support] and before.end != BY_CONTACT:
+    if any(after.bearing) and not before.bearing[after.support] and before.end != BY_CONTACT:
         remedy = f"it is in the air in {earlier}, which ends by the clock"
         raise BadInput(f"{later}.support", after.support, "a sole that is on the ground before", remedy)
     if before.end == BY_CONTACT and not _lands(before, after):

@@ -41,7 +41,7 @@ class PlanTable(NamedTuple):
         passes: how often it is gone through, 1 or more; ENDLESS.
         duration: (S,) s.
         phase: (S,) number of the phase, for reports.
-        support: (S,) row of the sole that stands flat.
+        support: (S,) row of the sole that stands flat; in flight of the one that did before.
         contact: (S, n) NONE, FLAT, HEEL or TOE.
         by_contact: (S,) 1 where a swinging sole's contact ends the stretch, early or late.
         stretch_start: (S,) time from the beginning of the stretch, that is of all sections with the same soles on the

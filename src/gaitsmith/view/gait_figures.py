@@ -51,7 +51,7 @@ def draw_gait_joints(trace: GaitTrace) -> Figure:
 def draw_ground(trace: GaitTrace) -> Figure:
     """ZMP and CoG over footprints and support polygons, from above and with time; and how far inside they are."""
     places = np.vstack([trace.samples.zmp, trace.samples.com[:, :2]])
-    length, breadth = np.ptp(places, axis=0) + np.array([0.25, 0.25])
+    length, breadth = np.nanmax(places, axis=0) - np.nanmin(places, axis=0) + 0.25  # no ZMP in flight
     height = float(np.clip(9.0 * breadth / length, 1.8, 4.5))
     with figure(f"{trace.title}, ZMP and CoG", height + 5.4, trace.conditions) as made:
         top, forward, sideways, margin = made.subplots(4, 1, height_ratios=(height, 1.3, 1.3, 1.3))
@@ -66,7 +66,7 @@ def draw_plane(axes: Axes, trace: GaitTrace) -> None:
     """From above: footprints, support polygons, ZMP and CoG; numbers are times, s."""
     phases = trace.gait.motion.phases
     biped = biped_from(trace.robot)
-    for phase in phases:
+    for phase in (phase for phase in phases if not phase.flies):
         axes.add_patch(Polygon(hull(contact_points(biped, phase)), facecolor=BAND, edgecolor="none", zorder=0))
     feet = [(side, phase.place(side), phase.facing(side)) for phase in phases for side in SIDES]
     for side, place, heading in dict.fromkeys(feet):
@@ -130,7 +130,7 @@ def _extents(trace: GaitTrace) -> Array:
     biped, found = biped_from(trace.robot), dict[Phase, Array]()
     for phase in trace.samples.phases:
         if phase not in found:
-            corners = contact_points(biped, phase)
+            corners = np.full((1, 2), np.nan) if phase.flies else contact_points(biped, phase)
             found[phase] = np.stack([corners.min(axis=0), corners.max(axis=0)], axis=1)
     return np.array([found[phase] for phase in trace.samples.phases])
 

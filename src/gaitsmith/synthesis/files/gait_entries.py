@@ -93,14 +93,14 @@ class _Section(Parameters):
     joints: _Table
     torque: _Table
     wrench: Annotated[tuple[_Row, ...], Field(min_length=CHANNELS, max_length=CHANNELS)]
-    lean: Annotated[tuple[_Row, ...], Field(max_length=1)] = ()
+    root: Annotated[tuple[_Row, ...], Field(max_length=6)] = ()
 
 
 class _PhaseEntry(Parameters):
     name: Name
     duration: _Duration
     support: Literal["left", "right"]
-    contact: Literal["air", "flat", "heel", "toe"]
+    contact: Literal["air", "flat", "heel", "toe", "flight"]
     foothold: Place
     other_foothold: Place | None
     height: Height = 0.0
@@ -249,7 +249,7 @@ def _pieces(phase: _PhaseEntry, field: str, clock: float, joints: int) -> tuple[
             _table(section.joints, joints, 3, f"{place}.joints"),
             _table(section.torque, joints, 1, f"{place}.torque"),
             _table(section.wrench, CHANNELS, 1, f"{place}.wrench"),
-            _table(section.lean, len(section.lean), 3, f"{place}.lean") if section.lean else np.zeros((0, 1)),
+            _table(section.root, len(section.root), 3, f"{place}.root") if section.root else np.zeros((0, 1)),
         )
         _check_curves(piece, place)
         found.append(piece)
@@ -278,7 +278,7 @@ def _check_curves(piece: Piece, field: str) -> None:
     """
     with np.errstate(over="ignore"):
         found = [("torque", "torque", np.abs(piece.torque)), ("wrench", "wrench", np.abs(piece.wrench))]
-        for key in ("joints", "lean"):
+        for key in ("joints", "root"):
             sizes = np.abs(getattr(piece, key))
             powers = np.arange(sizes.shape[1])
             rates = sizes * (powers / piece.duration), sizes * (powers * (powers - 1.0) / piece.duration**2)

@@ -43,7 +43,7 @@ def gait_document(gait: Gait) -> dict[str, Any]:
             "sections": [
                 {"start": piece.start, "duration": piece.duration}
                 | {name: getattr(piece, name).tolist() for name in ("joints", "torque", "wrench")}
-                | ({"lean": piece.lean.tolist()} if len(piece.lean) else {})
+                | ({"root": piece.root.tolist()} if len(piece.root) else {})
                 for piece in pieces
             ],
         }
@@ -152,10 +152,12 @@ def require_robot(gait: Gait, robot: Robot) -> None:
         valid = f"a gait for {robot.card.name} with hash {robot.content_hash[:12]}"
         remedy = "give --robot, or plan again: the robot's files have changed since, or are another robot's"
         raise BadInput("robot", f"{gait.robot} with hash {gait.robot_hash[:12]}", valid, remedy)
-    rows = {len(piece.lean) for group in gait.pieces for piece in group}
-    wanted = int(robot.legs[0].sole.kind == "line")
-    if rows != {wanted}:
-        raise BadInput("lean", f"{max(rows ^ {wanted})} rows", f"{wanted} in every section, as of this robot's soles")
+    for index, (phase, group) in enumerate(zip(gait.motion.phases, gait.pieces, strict=True)):
+        wanted = 6 if phase.contact == "flight" else int(robot.legs[0].sole.kind == "line")
+        for k, piece in enumerate(group):
+            if len(piece.root) != wanted:
+                valid = f"{wanted} for this robot's soles"
+                raise BadInput(f"phases[{index}].sections[{k}].root", f"{len(piece.root)} rows", valid)
     if len(gait.joint_names) != len(robot.joint_names):
         raise BadInput("joints", f"{len(gait.joint_names)} names", f"the {len(robot.joint_names)} of {robot.card.name}")
     for index, (given, own) in enumerate(zip(gait.joint_names, robot.joint_names, strict=True)):

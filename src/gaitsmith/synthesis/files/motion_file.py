@@ -38,7 +38,7 @@ class _PhaseText(Parameters):
     name: Name
     duration: Annotated[float, Field(ge=0.02, le=60.0)]
     support: Literal["left", "right"]
-    contact: Literal["air", "flat", "heel", "toe"]
+    contact: Literal["air", "flat", "heel", "toe", "flight"]
     support_at: Place
     other_at: Place | None = None
     support_height: Height = 0.0

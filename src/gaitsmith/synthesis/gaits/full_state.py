@@ -50,30 +50,34 @@ class StateFinder:
         q: Array,
         v: Array,
         a: Array,
-        lean: Array | None = None,
+        root: Array | None = None,
         heading: float = 0.0,
     ) -> FullState:
-        """Full state with the support sole at ``foothold``, flat, standing still.
+        """Full state with the support sole at ``foothold``, flat, standing still, or moving from there.
 
         Args:
             support: left or right.
             foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n,) joint angles, velocities and accelerations.
-            lean: (3,) of a line sole, its roll about its line, rad, and two derivatives; none if None.
+            root: (3, 6) pose of the sole from there, in its axes: x, y, z, m, yaw, pitch and roll, turned in this
+                order, rad; and two derivatives. None: it stands still.
             heading: of the sole in the world, rad; its axes are the world's at 0.
         """
-        roll, rate, pull = (0.0, 0.0, 0.0) if lean is None else lean
         model, data, site = self.model, self.data, self._sites[support]
         data.qpos[:7] = (0, 0, 0, 1, 0, 0, 0)
         data.qpos[7:] = q
         mujoco.mj_kinematics(model, data)
         turn = data.site_xmat[site].reshape(3, 3).T.copy()
-        if roll:
-            c, s = np.cos(roll), np.sin(roll)
-            turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]) @ turn
+        place, spin, bend = np.array([*foothold, 0.0][:3]), np.zeros(6), np.zeros(6)
+        ahead = about_vertical(heading)
+        if root is not None:
+            rotation, spin[3:], bend[3:] = turned(*root[:, 3:])
+            turn, spin[:3], bend[:3] = rotation @ turn, root[1, :3], root[2, :3]
+            place = place + ahead @ root[0, :3]
+            spin, bend = ((ahead @ values.reshape(2, 3).T).T.ravel() for values in (spin, bend))
         if heading:
-            turn = about_vertical(heading) @ turn
-        data.qpos[:3] = np.array([*foothold, 0.0][:3]) - turn @ data.site_xpos[site]
+            turn = ahead @ turn
+        data.qpos[:3] = place - turn @ data.site_xpos[site]
         mujoco.mju_mat2Quat(data.qpos[3:7], turn.ravel())
         data.qvel[:6] = 0.0
         data.qvel[6:] = v
@@ -82,8 +86,6 @@ class StateFinder:
         J, moved = self._jacobian, self._rate
         mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
         still = -np.linalg.inv(J[:, :6])
-        spin, bend = np.zeros(6), np.zeros(6)
-        spin[3], bend[3] = rate, pull
         data.qvel[:6] = still @ (J[:, 6:] @ v - spin)
         mujoco.mj_comVel(model, data)
         body = int(model.site_bodyid[site])
@@ -139,3 +141,21 @@ class StateFinder:
     def centre_of_mass(self) -> Array:
         """(3,) world, m, in the state that :meth:`find` left."""
         return np.array(self.data.subtree_com[0])
+
+
+def turned(angle: Array, rate: Array, pull: Array) -> tuple[Array, Array, Array]:
+    """Rotation (3, 3), angular velocity and acceleration (3,), world axes, of yaw, pitch and roll in this order."""
+    (cy, cp, cr), (sy, sp, sr) = np.cos(angle), np.sin(angle)
+    rotation = np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+    up, side, ahead = np.array([0.0, 0.0, 1.0]), np.array([-sy, cy, 0.0]), rotation[:, 0]
+    spin = up * rate[0]
+    bend = up * pull[0] + side * pull[1] + ahead * pull[2] + np.cross(spin, side) * rate[1]
+    spin = spin + side * rate[1]
+    bend = bend + np.cross(spin, ahead) * rate[2]
+    return rotation, spin + ahead * rate[2], bend

@@ -26,11 +26,14 @@ from gaitsmith.synthesis.motions.motion import (
 
 Array = npt.NDArray[np.float64]
 _BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded
-LEAN_DEGREE = 14
-"""Of the polynomials of a line sole's lean: no joint drives it, and its equation of motion has to hold."""
+ROOT_DEGREE = 14
+"""Of the polynomials of a support sole that moves: no joint drives it, and its equations of motion have to hold."""
+ROLL = 5
+"""Of a sole's pose x, y, z, yaw, pitch, roll, the last."""
 _Image = tuple[tuple[str, ...], npt.NDArray[np.int64], Array]  # names of joints, partners and signs in the mirror
 CHANNELS = 12  # left force, left moment, right force, right moment
-_PLACES = ("ankle", "sole", "toe", "heel")  # what has a place in the world
+_POSE = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # mirror image of a pose
+_PLACES = ("ankle", "sole", "toe", "heel", "support")  # what has a place in the world
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +47,9 @@ class Piece:
         torque: (n, m) Chebyshev coefficients over the section, N·m.
         wrench: (12, m) Chebyshev coefficients of left force and moment, right force and moment; axes of the support
             sole (the world's where nothing turns), about the sole frame's origin, N and N·m.
-        lean: (1, k) coefficients of 1, s, s² ... of the support sole's roll about its line, rad; (0, k) of soles with
-            an area, which stand flat.
+        root: coefficients of 1, s, s² ... of the support sole's motion: (0, k) where it stands flat, (1, k) of the roll
+            of a line sole, rad, (6, k) of a flight's x, y, z (m, from the foothold), yaw, pitch and roll (rad, turned
+            in this order); axes of the sole at its foothold.
     """
 
     start: float
@@ -53,7 +57,7 @@ class Piece:
     joints: Array
     torque: Array
     wrench: Array
-    lean: Array = field(default_factory=lambda: np.zeros((0, 1)))
+    root: Array = field(default_factory=lambda: np.zeros((0, 1)))
 
     @cached_property
     def torque_slope(self) -> Array:
@@ -100,11 +104,11 @@ class Gait:
             found[:, :, mask] = polynomial(piece.joints, s, piece.duration)
         return found[0], found[1], found[2]
 
-    def leans(self, phase: int, times: Array) -> Array:
-        """(3, N) the support sole's roll about its line, rad, and two derivatives; zero of soles with an area."""
-        found = np.zeros((3, len(times)))
+    def roots(self, phase: int, times: Array) -> Array:
+        """(3, 6, N) the support sole's pose and two derivatives as of :func:`root_of`."""
+        found = np.zeros((3, 6, len(times)))
         for piece, mask, s in self._split(phase, times):
-            found[:, mask] = lean_of(piece, s)
+            found[:, :, mask] = root_of(piece, s)
         return found
 
     def torques(self, phase: int, times: Array) -> Array:
@@ -146,9 +150,11 @@ class Gait:
         return found
 
 
-def lean_of(piece: Piece, s: Array) -> Array:
-    """(3, N) the support sole's lean at normalised times, and two derivatives."""
-    return np.asarray(polynomial(piece.lean, s, piece.duration).sum(axis=1))
+def root_of(piece: Piece, s: Array) -> Array:
+    """(3, 6, N) the support sole's x, y, z, yaw, pitch and roll at normalised times, and two derivatives; 0 if flat."""
+    found = np.zeros((3, 6, len(s)))
+    found[:, 6 - len(piece.root) :] = polynomial(piece.root, s, piece.duration)
+    return found
 
 
 def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int) -> Gait:
@@ -207,11 +213,12 @@ def follow(before: Gait, gait: Gait, mirror: bool, partner: npt.NDArray[np.int64
     for group in gait.pieces:
         moved = []
         for piece in group:
-            joints, torque, wrench, lean = piece.joints, piece.torque, piece.wrench, flip * piece.lean
+            joints, torque, wrench, root = piece.joints, piece.torque, piece.wrench, piece.root
             if mirror:
                 joints, torque = joints[partner] * sign[:, None], torque[partner] * sign[:, None]
+                root = root * _POSE[6 - len(root) :, None]
                 wrench = np.concatenate([wrench[6:] * swap[:, None], wrench[:6] * swap[:, None]])
-            moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench, lean))
+            moved.append(Piece(piece.start + dt, piece.duration, joints, torque, wrench, root))
         pieces.append(tuple(moved))
     conditions = tuple(_moved(item, away[max(item.border - 1, 0)], flip, image) for item in gait.motion.conditions)
     motion = replace(gait.motion, phases=tuple(phases), conditions=conditions)

@@ -13,7 +13,7 @@ from gaitsmith.planned.table import TERMS
 from gaitsmith.robots import Robot
 from gaitsmith.splines.polynomial import chebyshev, chebyshev_fit
 from gaitsmith.synthesis.gaits.full_state import StateFinder
-from gaitsmith.synthesis.gaits.gait import Piece, lean_of, polynomial
+from gaitsmith.synthesis.gaits.gait import Piece, polynomial, root_of
 
 Array = npt.NDArray[np.float64]
 _MOTION = 1e-10  # m, rad: a series whose last two terms are larger is fitted again in halves
@@ -50,7 +50,7 @@ class Sections:
         """
         numbers = np.concatenate([[piece.duration, *stretch], *(values.ravel() for values in frame)])
         key = repr(contact).encode() + (np.round(numbers, _SAME) + 0.0).tobytes()
-        key += piece.lean.tobytes() + piece.joints.tobytes() + piece.torque.tobytes() + piece.wrench.tobytes()
+        key += piece.root.tobytes() + piece.joints.tobytes() + piece.torque.tobytes() + piece.wrench.tobytes()
         if key not in self._known:
             first = len(self._rows)
             row = {
@@ -82,9 +82,9 @@ class Sections:
         """(TERMS, channels) coefficients of motion and effort between two shares of a piece."""
         s = low + (high - low) * self._nodes
         q, v, a = polynomial(piece.joints, s, piece.duration)
-        name, lean, rows = self.robot.legs[support].name, lean_of(piece, s), list[list[float]]()
+        name, root, rows = self.robot.legs[support].name, root_of(piece, s), list[list[float]]()
         for k in range(len(s)):
-            self.finder.find(name, (0.0, 0.0), q[:, k], v[:, k], a[:, k], lean[:, k])
+            self.finder.find(name, (0.0, 0.0), q[:, k], v[:, k], a[:, k], root[..., k])
             torso = self.finder.data.xmat[self.robot.torso_body].reshape(3, 3)
             numbers = [*self.finder.centre_of_mass(), *_angles(torso)]
             for leg in self.robot.legs:

@@ -13,6 +13,8 @@ Array = npt.NDArray[np.float64]
 
 def contact_points(biped: Biped, phase: Phase) -> Array:
     """(N, 2) corners of both soles that touch the ground in a phase, world, m."""
+    if phase.flies:
+        return np.zeros((0, 2))
     found = [_placed(biped.corners("flat", phase.support), phase.foothold, phase.heading)]
     if phase.other is not None:
         found.append(_placed(biped.corners(phase.contact, phase.other_foot), phase.other, phase.other_heading))
@@ -25,7 +27,7 @@ def _placed(corners: Array, place: tuple[float, float], heading: float) -> Array
 
 
 def hull(points: Array) -> Array:
-    """(M, 2) corners of the convex hull, counterclockwise."""
+    """(M, 2) corners of the convex hull, counterclockwise; none of nothing."""
     ordered = sorted(map(tuple, points.tolist()))
 
     def chain(items: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
@@ -39,7 +41,7 @@ def hull(points: Array) -> Array:
             found.append(p)
         return found[:-1]
 
-    return np.array(chain(ordered) + chain(ordered[::-1]))
+    return np.array(chain(ordered) + chain(ordered[::-1])).reshape(-1, 2)
 
 
 def zmp(phase: Phase, wrench: Array) -> Array:
@@ -60,7 +62,9 @@ def zmp(phase: Phase, wrench: Array) -> Array:
 
 
 def inside(corners: Array, points: Array) -> Array:
-    """(N,) distance of points (2, N) from the edge of a convex hull (M, 2), m; negative outside."""
+    """(N,) distance of points (2, N) from the edge of a convex hull (M, 2), m; negative outside, NaN where none is."""
+    if len(corners) == 0:
+        return np.full(points.shape[1], np.nan)
     if len(corners) == 2:  # a line: its ends are its edge
         along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
         share, length = along @ (points - corners[0][:, None]), float(np.linalg.norm(corners[1] - corners[0]))

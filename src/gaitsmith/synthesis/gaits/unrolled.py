@@ -94,7 +94,7 @@ class UnrolledGait:
         for number in np.unique(index).tolist():
             phase, mask = pair.motion.phases[number], np.flatnonzero(index == number)
             q, v, a = (values.T for values in pair.joints(number, within[mask]))
-            lean = pair.leans(number, within[mask]).T
+            root = pair.roots(number, within[mask]).T
             wrenches = pair.wrenches(number, within[mask])
             with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
                 found.zmp[mask] = zmp(phase, wrenches).T
@@ -104,7 +104,7 @@ class UnrolledGait:
                 x, y = start + away @ (phase.foothold - self._first)
                 found.zmp[row] = start + away @ (found.zmp[row] - self._first)
                 heading += phase.heading
-                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k], lean[k], heading)
+                state = self._finder.find(phase.support, (x, y), q[k], v[k], a[k], root[k].T, heading)
                 found.position[row], found.velocity[row] = state.position, state.velocity
                 found.acceleration[row], found.com[row] = state.acceleration, self._finder.centre_of_mass()
                 found.wrench[row] = (wrenches[:, k].reshape(4, 3) @ about_vertical(heading).T).ravel()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ from gaitsmith.planned import ContactPhase, Plan, PlanTable, Schedule
 from gaitsmith.planned.schedule import BY_CLOCK, BY_CONTACT
 from gaitsmith.planned.table import ENDLESS, PER_SOLE, SOLES, TERMS, lap_of
 from gaitsmith.robots import Robot
-from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow, lean_of, polynomial
+from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow, polynomial, root_of
 from gaitsmith.synthesis.gaits.plan_sections import Sections
 from gaitsmith.synthesis.motions.biped import biped_from
 from gaitsmith.synthesis.motions.motion import Phase, about_vertical
@@ -21,7 +22,7 @@ from gaitsmith.whole_body.reference import FLAT, HEEL, NONE, TOE
 
 Array = npt.NDArray[np.float64]
 _Row = list[tuple[Phase, tuple[Piece, ...]]]
-_KINDS = {"air": NONE, "flat": FLAT, "heel": HEEL, "toe": TOE}
+_KINDS = {"air": NONE, "flight": NONE, "flat": FLAT, "heel": HEEL, "toe": TOE}
 _SEAM = 1e-3  # rad: joints where one gait follows another
 _RESTING = 1e-6  # rad/s
 _BALL_RANGE = 2.0  # m
@@ -114,10 +115,13 @@ def _contacts(row: _Row, robot: Robot) -> list[ContactPhase]:
     """Every phase with the contacts of all soles, and what ends it."""
     names = [leg.name for leg in robot.legs]
     found = []
+    for (phase, _), (later, _) in pairwise(row):
+        if phase.flies and phase.foothold != later.foothold:
+            raise BadInput("--gait", "a flight to another place", "one that lands where it began")
     for (phase, _), after in zip(row, [*row[1:], None], strict=True):
         support = names.index(phase.support)
         contact = [_KINDS[phase.contact]] * len(names)
-        contact[support] = FLAT
+        contact[support] = NONE if phase.flies else FLAT
         lands = not phase.double and after is not None and after[0].double
         end = BY_CONTACT if lands else BY_CLOCK
         found.append(ContactPhase(phase.name, phase.duration, support, tuple(contact), end))
@@ -143,7 +147,7 @@ def _frames(
 ) -> list[tuple[Array, ...]]:
     """Of every phase, the soles' weights at both ends of its stretch, and their places relative to the support sole."""
     soles = len(robot.legs)
-    alone = [None if all(contact.bearing) else contact.support for contact in contacts]
+    alone = [contact.support if sum(contact.bearing) == 1 else None for contact in contacts]
     world = np.zeros((soles, 4))
     found = []
     for index, ((phase, _), contact) in enumerate(zip(row, contacts, strict=True)):
@@ -167,7 +171,7 @@ def _described(
     """The table with what a run asks about the plan."""
     (first, first_pieces), (_, last_pieces) = row[0], row[-1]
     q, v, a = polynomial(first_pieces[0].joints, np.zeros(1), first_pieces[0].duration)[:, :, 0]
-    began = sections.finder.find(first.support, first.stand, q, v, a, lean_of(first_pieces[0], np.zeros(1))[:, 0])
+    began = sections.finder.find(first.support, first.stand, q, v, a, root_of(first_pieces[0], np.zeros(1))[..., 0])
     final = polynomial(last_pieces[-1].joints, np.ones(1), last_pieces[-1].duration)[1, :, 0]
     times = table.duration[table.sequence]
     duration, once = float(times.sum()), float(times[table.loop_first : table.loop_end].sum())

@@ -64,6 +64,7 @@ class Biped:
         width: lateral distance between the soles in a gait, m.
         ankle_height: origin of the body that carries the sole above the sole, m.
         weight: total weight, N.
+        flies: whether the support sole may leave the ground: its pose is then six coordinates more.
     """
 
     robot: Robot
@@ -76,6 +77,7 @@ class Biped:
     width: float
     ankle_height: float
     weight: float
+    flies: bool = False
 
     @property
     def joints(self) -> int:
@@ -93,7 +95,7 @@ class Biped:
         return 2 if self.lines else 0
 
     @property
-    def coordinates(self) -> int:
+    def channels(self) -> int:
         """Joints and leans."""
         return self.joints + self.leans
 
@@ -151,6 +153,7 @@ class Biped:
         digest = hashlib.sha256()
         for name in _PHYSICS:
             digest.update(np.ascontiguousarray(getattr(self.model, name)).tobytes())
+        digest.update(bytes([self.flies]))
         for values in (self.model.opt.gravity, self.index, self.partner, self.sign, self.home[self.held]):
             digest.update(np.array(values).tobytes())
         digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric, self.lines]))
@@ -190,8 +193,8 @@ class Biped:
         return np.array([*corners.mean(axis=0), 0.0]) if turns else np.zeros(3)
 
     def mirrored(self, values: Array) -> Array:
-        """Joint angles, velocities, accelerations or torques (..., n) of the mirror image; of coordinates (..., c)."""
-        partner, sign = self.image if values.shape[-1] == self.coordinates else (self.partner, self.sign)
+        """Joint angles, velocities, accelerations or torques (..., n) of the mirror image; with leans too."""
+        partner, sign = self.image if values.shape[-1] == self.channels else (self.partner, self.sign)
         return np.asarray(values[..., partner] * sign)
 
 

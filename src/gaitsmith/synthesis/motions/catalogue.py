@@ -84,6 +84,21 @@ class KickParameters:
     durations: tuple[float, float, float, float, float, float] = (0.8, 0.6, 0.35, 0.3, 0.9, 0.8)
 
 
+@dataclass(frozen=True)
+class JumpParameters:
+    """A jump with both feet.
+
+    Attributes:
+        height: of the soles above the ground, m.
+        durations: of push-off and of landing, s.
+        flight: share of the time that a body thrown up by the height is in the air: feet that are drawn up need less.
+    """
+
+    height: float = 0.03
+    durations: tuple[float, float] = (0.8, 0.8)
+    flight: float = 1.0
+
+
 def record(kind: str, values: object) -> dict[str, float]:
     """Parameters as plain numbers."""
     found: dict[str, float] = {}
@@ -246,3 +261,26 @@ def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:
         State(6, rest, still, still),
     )
     return Motion("kick", phases, conditions, parameters=record("kick", p))
+
+
+def jump(biped: Biped, parameters: JumpParameters, rest: Array) -> Motion:
+    """From rest off the ground with both feet, and down to rest at the same place; the soles are highest half-way."""
+    half, p = biped.width / 2.0, parameters
+    right, left = (0.0, -half), (0.0, half)
+    gravity = biped.weight / biped.robot.mass
+    half_flight = p.flight * math.sqrt(2.0 * p.height / gravity)
+    count = sections_of(biped, half_flight, True)
+    phases = (
+        Phase("push off", p.durations[0], "right", "flat", right, left, 6),
+        Phase("rise", half_flight, "right", "flight", right, sections=count),
+        Phase("fall", half_flight, "right", "flight", right, sections=count),
+        Phase("landing", p.durations[1], "right", "flat", right, left, 6),
+    )
+    still = np.zeros_like(rest)
+    conditions: tuple[Condition, ...] = (
+        State(0, rest, still, still),
+        At(2, "sole_z", p.height),
+        At(2, "support_z", p.height),
+        State(4, rest, still, still),
+    )
+    return Motion("jump", phases, conditions, parameters=record("jump", p))

@@ -24,19 +24,32 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
         BadInput: naming the entry, as in ``phases[2].support``.
     """
     for index, phase in enumerate(phases):
-        if (phase.contact == "air") != (phase.other is None):
-            valid = "no place in the air" if phase.contact == "air" else "two numbers, where the other sole stands"
+        if phase.double != (phase.other is not None):
+            valid = "no place in the air" if not phase.double else "two numbers, where the other sole stands"
             raise BadInput(f"phases[{index}].{keys[1]}", phase.other, valid)
         if not abs(phase.bend) <= _TWIST:
             valid = f"at most {_TWIST:g} rad from the support sole's heading, {phase.heading:g}"
             raise BadInput(f"phases[{index}].other_heading", phase.other_heading, valid)
     for index, (before, after) in enumerate(pairwise(phases), start=1):
         _check_pair(before, after, f"phases[{index}]", keys)
+    if phases[0].flies or phases[-1].flies:
+        valid = "a phase with both feet flat at the start and at the end"
+        raise BadInput(
+            "phases[0].contact" if phases[0].flies else f"phases[{len(phases) - 1}].contact", "flight", valid
+        )
     if cyclic:
         _check_cycle(phases[0], phases[-1], keys)
 
 
 def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) -> None:
+    if before.flies != after.flies:
+        ground = after if before.flies else before
+        if ground.contact != "flat":
+            raise BadInput(f"{field}.contact", after.contact, "both feet flat before and after a flight")
+        if before.support != after.support:
+            raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before")
+        if before.flies:
+            return  # they may come down elsewhere
     stood = {before.support: (before.height, before.heading)}
     if before.double:
         stood[before.other_foot] = (before.other_height, before.other_heading)

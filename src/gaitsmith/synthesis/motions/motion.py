@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
-Contact = Literal["air", "flat", "heel", "toe"]
+Contact = Literal["air", "flat", "heel", "toe", "flight"]
 Array = npt.NDArray[np.float64]
 
 
@@ -24,7 +24,7 @@ class Quantity(NamedTuple):
         unit: m, m/s or rad.
     """
 
-    part: Literal["ankle", "ankle velocity", "sole", "toe", "heel", "foot", "hip", "torso"]
+    part: Literal["ankle", "ankle velocity", "sole", "toe", "heel", "foot", "hip", "torso", "support"]
     axis: int
     unit: str
 
@@ -40,6 +40,7 @@ QUANTITIES: dict[str, Quantity] = {
     "heel_z": Quantity("heel", 2, "m"),
     **{f"foot_{name}": Quantity("foot", k, "rad") for k, name in enumerate(_ANGLES)},
     "hip_height": Quantity("hip", 2, "m"),
+    "support_z": Quantity("support", 2, "m"),
     **{f"torso_{name}": Quantity("torso", k, "rad") for k, name in enumerate(_ANGLES)},
 }
 
@@ -109,8 +110,9 @@ class Phase:
     Attributes:
         name: what reports call it.
         duration: s.
-        support: the foot that stands flat and still.
-        contact: of the other foot: in the air, flat, or turning about its heel's or its toe's edge.
+        support: the foot that stands flat and still; in flight, the one that left its foothold.
+        contact: of the other foot: in the air, flat, or turning about its heel's or its toe's edge; flight: both feet
+            are in the air.
         foothold: (x, y) of the support sole, world, m.
         other: (x, y) of the other sole when it lies flat there; None in the air.
         sections: spline sections.
@@ -163,7 +165,12 @@ class Phase:
     @property
     def double(self) -> bool:
         """Whether both feet carry load."""
-        return self.contact != "air"
+        return self.contact not in ("air", "flight")
+
+    @property
+    def flies(self) -> bool:
+        """Whether no foot is on the ground."""
+        return self.contact == "flight"
 
     @property
     def other_foot(self) -> Side:
@@ -277,6 +284,11 @@ class Motion:
         near = [here] if here.double else self.phases[max(phase - 1, 0) : phase + 2]
         found = [item.bend for item in near if item.support == here.support]
         return min(found), max(found)
+
+    @property
+    def flies(self) -> bool:
+        """Whether both feet leave the ground."""
+        return any(phase.flies for phase in self.phases)
 
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""

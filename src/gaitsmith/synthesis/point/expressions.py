@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from gaitsmith.dynamics import symbolic
+from gaitsmith.dynamics import symbolic, symbolic_root
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Side, opposite
 from gaitsmith.synthesis.point.layout import PointLayout, layout_of, sides_of
@@ -60,8 +60,14 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
     turn = support.sole_rotation.T
     start = symbolic.at_rest(model, turn, -turn @ support.sole_position)
     if layout.leans:
-        lean = [(-1.0 if left else 1.0) * z[k + n] for k in (layout.position, layout.velocity, layout.acceleration)]
-        start = symbolic.about_edge(model, turn, support.sole_position, *lean)
+        poses = [ca.SX.zeros(6) for _ in range(3)]
+        for pose, first in zip(poses, (layout.position, layout.velocity, layout.acceleration), strict=True):
+            pose[5] = (-1.0 if left else 1.0) * z[first + n]
+        start = symbolic_root.flying(model, turn, support.sole_position, *poses)
+    if layout.poses:
+        sides = ca.DM([1, -1, 1, -1, 1, -1] if left else [1] * 6)
+        firsts = [k + layout.pose for k in (layout.position, layout.velocity, layout.acceleration)]
+        start = symbolic_root.flying(model, turn, support.sole_position, *(sides * z[k : k + 6] for k in firsts))
     point = ca.DM(other.sole_position) + ca.mtimes(ca.DM(other.sole_rotation), ca.mtimes(mirror, pivot))
     wrench = symbolic.ExternalWrench(other.sole_body, point, ca.mtimes(mirror, u[:3]), ca.mtimes(axial, u[3:]))
     held = {6 + joint: float(biped.home[joint]) for joint in biped.held.tolist()}
@@ -96,7 +102,22 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         ca.mtimes(turned, foot.velocity),
         sole[0, 0],
         *([_lean_gap(sole, z[layout.position + n + 1])] if layout.leans else []),
+        *(_own(start, support, mirror) if layout.poses else []),
+        *(_momenta(model, found, mirror, axial) if layout.poses else []),
     )
+
+
+def _momenta(model: Any, found: Any, mirror: Any, axial: Any) -> list[Any]:
+    """Centre of mass, its velocity, and the angular momentum about the foothold over the mass."""
+    place, speed, spin = symbolic_root.momentum(model, found)
+    return [ca.mtimes(mirror, place), ca.mtimes(mirror, speed), ca.mtimes(axial, spin)]
+
+
+def _own(start: Any, support: Any, mirror: Any) -> list[Any]:
+    """Place, yaw, pitch and roll of the support sole."""
+    place = start.position + ca.mtimes(start.rotation, ca.DM(support.sole_position))
+    sole = ca.mtimes([mirror, start.rotation, ca.DM(support.sole_rotation), mirror])
+    return [ca.mtimes(mirror, place), sole[1, 0], -sole[2, 0], sole[2, 1]]
 
 
 def _lean_gap(sole: Any, lean: Any) -> Any:

@@ -24,9 +24,10 @@ class PointLayout:
     Attributes:
         joints: n.
         leans: 2 for line soles, else 0: the support sole's roll about its line, and the other's, rad.
-        coordinates: c = n + leans.
+        poses: 6 where the support sole may fly, else 0: its x, y, z (m, from its foothold), yaw, pitch and roll.
+        coordinates: c = n + leans + poses.
         inputs, outputs: how many numbers there are.
-        position, velocity, acceleration: inputs: joint angles, then leans (c), rad, rad/s, rad/s².
+        position, velocity, acceleration: inputs: joint angles, then leans, then the pose (c), SI.
         wrench: inputs: u on the other foot: force (3), N, then moment about the pivot (3), N·m.
         torque: of the joints (n), N·m.
         force: on the support sole (3), N; its moment follows.
@@ -40,14 +41,18 @@ class PointLayout:
             positive when it leans forward.
         ankle, ankle_velocity: of the other ankle (3), m, m/s.
         lean_gap: of line soles: sine of the other sole's roll less its lean.
+        own: of a support sole that may fly: place (3), then yaw, pitch and roll as of the other sole.
+        com, momentum, spin: of a robot that may fly: centre of mass (3), m, its velocity (3), m/s, and the angular
+            momentum about the foothold over the mass (3), m²/s.
         twist: vertical moment about the centre of pressure times the normal force, over the weight, N·m; of the support
             sole, then of the other.
         load: square of the normal force over the weight, N; on the support sole, then on the other.
     """
 
-    def __init__(self, joints: int, leans: int = 0) -> None:
+    def __init__(self, joints: int, leans: int = 0, poses: int = 0) -> None:
         self.joints = n = joints
-        self.leans, self.coordinates = leans, n + leans
+        self.leans, self.poses, self.coordinates = leans, poses, n + leans + poses
+        self.pose = n + leans  # first of the pose among the coordinates
         self.position, self.velocity, self.acceleration, self.wrench = (k * self.coordinates for k in range(4))
         self.inputs = self.wrench + 6
         self.torque, self.force, self.moment = 0, n, n + 3
@@ -57,10 +62,12 @@ class PointLayout:
         self.hip_height, self.torso_yaw, self.torso_pitch, self.torso_roll = n + 24, n + 25, n + 26, n + 27
         self.ankle, self.ankle_velocity, self.foot_forward = n + 28, n + 31, n + 34
         self.lean_gap = n + 35
-        self.twist = n + 35 + leans // 2
+        self.own = n + 35 + leans // 2
+        self.com, self.momentum, self.spin = (self.own + (2 + k) * poses // 2 for k in range(3))
+        self.twist = self.own + 5 * poses // 2
         self.load, self.outputs = self.twist + 2, self.twist + 4
 
 
 def layout_of(biped: Biped) -> PointLayout:
     """The layout of a robot's points."""
-    return PointLayout(biped.joints, biped.leans)
+    return PointLayout(biped.joints, biped.leans, 6 * biped.flies)

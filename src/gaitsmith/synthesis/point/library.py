@@ -25,7 +25,8 @@ from gaitsmith.synthesis.point.layout import KINDS, layout_of, sides_of
 _OPTIONS = ("-O1", "-fPIC", "-shared", "-fno-math-errno")
 _HERE = Path(__file__).resolve().parent
 _DYNAMICS = _HERE.parents[1] / "dynamics"
-_SOURCES = (_HERE / "expressions.py", _HERE / "layout.py", _DYNAMICS / "symbolic.py", _DYNAMICS / "rotation.py")
+_NAMES = ("symbolic.py", "symbolic_root.py", "rotation.py")
+_SOURCES = (_HERE / "expressions.py", _HERE / "layout.py", *(_DYNAMICS / name for name in _NAMES))
 """What decides the expressions; they are imported only to be compiled, and numba with them."""
 _SLOWER = "about four times slower, with the same answers"
 

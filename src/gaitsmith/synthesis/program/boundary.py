@@ -12,7 +12,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State, about_vertical, of_joint, turned, unit_of
 from gaitsmith.synthesis.program.bounds import Form, Kind, joint_form, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
-from gaitsmith.synthesis.program.transcription import Points, Transcription
+from gaitsmith.synthesis.program.transcription import Points, Transcription, flights_of
 
 Array = npt.NDArray[np.float64]
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
@@ -95,12 +95,64 @@ def passive_rows(rows: Rows, trans: Transcription, points: Points) -> None:
     """
     motion, layout = trans.motion, trans.layout
     scale = _PASSIVE / trans.biped.effort
+    _flight_rows(rows, trans, points)
     for point in np.flatnonzero(points.weight > 0.0).tolist() if layout.leans else ():
         index, time = int(points.phase[point]), float(points.time[point])
         if (index or motion.cyclic) and abs(time - motion.borders[index]) < 1e-9:
             continue
         label = Label("moment about the sole's line", "N·m", index, time, 1.0 / scale)
         rows.add(label, 0.0, 0.0, {point * layout.outputs + layout.moment: scale})
+
+
+def _flight_rows(rows: Rows, trans: Transcription, points: Points) -> None:
+    """No wrench on a support sole that flies; at both ends of its flight it stands still, flat, at its footholds."""
+    motion, layout, biped = trans.motion, trans.layout, trans.biped
+    for point in np.flatnonzero(points.weight > 0.0).tolist():
+        index, time = int(points.phase[point]), float(points.time[point])
+        again = index and motion.phases[index - 1].flies and abs(time - motion.borders[index]) < 1e-9
+        if not motion.phases[index].flies or again:
+            continue
+        for row in range(6):
+            scale = 1.0 / biped.weight if row < 3 else _PASSIVE / biped.effort
+            label = Label("wrench in flight", "N or N·m", index, time, 1.0 / scale)
+            rows.add(label, 0.0, 0.0, {point * layout.outputs + layout.force + row: scale})
+    for run in flights_of(motion):
+        _ballistic_rows(rows, trans, points, run)
+        first, last = motion.phases[run[0]], motion.phases[run[-1] + 1]
+        ahead, aside = (b - a for a, b in zip(first.foothold, last.foothold, strict=True))
+        goal = np.array([ahead, first.side * aside, last.height - first.height, 0.0, 0.0, 0.0])
+        for phase, time, place in (
+            (run[0], motion.borders[run[0]], np.zeros(6)),
+            (run[-1], motion.borders[run[-1] + 1], goal),
+        ):
+            for derivative, scale in enumerate((1.0, 0.1, 0.01)):
+                label = Label("place of the support sole at an end of its flight", "m or rad", phase, float(time), 1.0)
+                matrix = trans.pose_rows(phase, float(time), derivative) * scale
+                rows.add_linear(label, matrix, place if derivative == 0 else np.zeros(6))
+
+
+def _ballistic_rows(rows: Rows, trans: Transcription, points: Points, run: list[int]) -> None:
+    """Both ends of a flight lie on one parabola of the centre of mass, with one angular momentum about it.
+
+    The wrench vanishes at the collocation points only: this is what it adds up to between them.
+    """
+    motion, layout = trans.motion, trans.layout
+    begin, end = float(motion.borders[run[0]]), float(motion.borders[run[-1] + 1])
+    one, two = (_point(points, k, t) * layout.outputs for k, t in ((run[0], begin), (run[-1], end)))
+    span, weight = end - begin, -trans.biped.weight / trans.biped.robot.mass
+    label = Label("momentum in flight", "m, m/s or m²/s", run[-1], end, 1.0)
+    for axis in range(3):
+        pull = weight if axis == 2 else 0.0
+        place, speed = layout.com + axis, layout.momentum + axis
+        fallen = 0.5 * pull * span**2
+        rows.add(label, fallen, fallen, {two + place: 1.0, one + place: -1.0, one + speed: -span})
+        rows.add(label, pull * span, pull * span, {two + speed: 1.0, one + speed: -1.0})
+        turned = {two + layout.spin + axis: 1.0, one + layout.spin + axis: -1.0}
+        if axis < 2:  # (c T + v T² / 2) × g
+            across, sign = 1 - axis, -1.0 if axis == 0 else 1.0
+            turned[one + layout.com + across] = sign * weight * span
+            turned[one + layout.momentum + across] = sign * weight * 0.5 * span**2
+        rows.add(label, 0.0, 0.0, turned)
 
 
 def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
@@ -205,7 +257,7 @@ def condition_rows(rows: Rows, trans: Transcription, points: Points) -> None:
 
 def _periodic_rows(rows: Rows, trans: Transcription, motion: Motion) -> None:
     last = len(motion.phases)
-    n = trans.biped.coordinates
+    n = trans.biped.channels
     partner, sign = trans.biped.image if motion.mirrored else (np.arange(n), np.ones(n))
     for derivative, scale in enumerate((1.0, 0.1, 0.01)):
         start = trans.state_rows(0, derivative)[partner].multiply(sign[:, None])

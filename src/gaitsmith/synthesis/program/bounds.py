@@ -112,6 +112,8 @@ def quantity_form(biped: Biped, phase: Phase, quantity: str) -> tuple[Form, floa
     origin, sign = ((phase.foothold[0], 1.0), (phase.foothold[1], phase.side), (phase.height, 1.0))[axis]
     if part == "hip":
         return {layout.hip_height: 1.0}, 0.0
+    if part == "support":
+        return {layout.own + 2: 1.0} if layout.poses else {}, phase.height
     if part == "ankle velocity":
         return {layout.ankle_velocity + axis: sign}, 0.0
     if part == "ankle":
@@ -260,8 +262,11 @@ def _foot_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
     low, high = _yaws(bends, bounds.foot_tilt)
     found.append(_sine("swing foot yaw", {layout.foot_yaw: 1.0}, low, high, high - low))
     gap = sole.half_width + biped.sole(phase.support).half_width + bounds.foot_gap
+    if phase.flies:
+        found += _own_bounds(biped, bounds, phase, lifts, lands)
     for end in (sole.toe, -sole.heel) if any(bends) else (0.0,):
         apart = {layout.pivot + 1: 1.0} | ({layout.foot_yaw: end} if end else {})
+        apart |= {layout.own + 1: -1.0} if phase.flies else {}
         found.append(PhaseBound(Kind.REQUEST, "foot separation", "m", apart, {}, gap, np.inf, biped.width))
     return found
 
@@ -270,6 +275,21 @@ def _yaws(bends: tuple[float, float], most: float) -> tuple[float, float]:
     """Sines of the angles ``most`` rad beyond a range of headings."""
     quarter = 0.5 * np.pi
     return float(np.sin(max(bends[0] - most, -quarter))), float(np.sin(min(bends[1] + most, quarter)))
+
+
+def _own_bounds(biped: Biped, bounds: Bounds, phase: Phase, lifts: bool, lands: bool) -> list[PhaseBound]:
+    """Of the support sole in flight: above the ground and level, as the other one."""
+    layout, sole, found = layout_of(biped), biped.sole(phase.support), list[PhaseBound]()
+    yaw, pitch, roll = range(layout.own + 3, layout.own + 6)
+    for x, y in biped.corners("flat", phase.support).tolist():
+        form = {layout.own + 2: 1.0, pitch: -x, roll: phase.side * y}
+        span = sole.heel + sole.toe
+        clear = PhaseBound(Kind.REQUEST, "support clearance", "m", form, {}, 0.0, np.inf, span, interior=True)
+        found.append(replace(clear, rise=bounds.clearance, lifts=lifts, lands=lands))
+    for name, place, most in (("pitch", pitch, "foot_pitch"), ("roll", roll, "foot_tilt"), ("yaw", yaw, "foot_tilt")):
+        tilt = float(np.sin(getattr(bounds, most)))
+        found.append(_sine(f"support foot {name}", {place: 1.0}, -tilt, tilt, 2 * tilt))
+    return found
 
 
 def check_margin(biped: Biped, bounds: Bounds) -> None:
@@ -283,29 +303,31 @@ def check_margin(biped: Biped, bounds: Bounds) -> None:
         raise BadInput("zmp_margin", bounds.zmp_margin, f"less than {widest:g} m, half of this robot's sole")
 
 
-def check_edges(biped: Biped, motion: Motion) -> None:
-    """Refuse line soles that turn about their heel or toe.
+def check_roots(biped: Biped, motion: Motion, order: int) -> None:
+    """Refuse line soles that turn about their heel or toe or fly, and quartics where a support sole moves.
 
     Raises:
-        BadInput: naming the phase.
+        BadInput: naming the phase, or the order.
     """
+    if order < 5 and (biped.lines or motion.flies):
+        raise BadInput("order", order, "5 for line soles and flights", "their equations of motion need it")
     for index, phase in enumerate(motion.phases):
-        if biped.lines and phase.contact in ("heel", "toe"):
-            valid = "flat or air for a sole that is a line"
-            raise BadInput(
-                f"phases[{index}].contact", phase.contact, valid, "nothing keeps a foot on a point from turning"
-            )
+        if biped.lines and phase.contact in ("heel", "toe", "flight"):
+            raise BadInput(f"phases[{index}].contact", phase.contact, "flat or air for a sole that is a line")
 
 
 def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> list[PhaseBound]:
     """Every bound that holds throughout a phase, in the phase's local frame as the layout defines it."""
     phase = motion.phases[index]
     layout = layout_of(biped)
-    found = joint_bounds(biped, bounds, phase.side) + _contact_bounds(biped, bounds, phase, False)
+    found = joint_bounds(biped, bounds, phase.side)
+    if not phase.flies:
+        found += _contact_bounds(biped, bounds, phase, False)
     if phase.double:
         found += _contact_bounds(biped, bounds, phase, True)
     heights = (0.3 * biped.height, biped.height - bounds.squat, biped.height)
-    found.append(PhaseBound(Kind.REQUEST, "squat", "m", {layout.hip_height: 1.0}, {}, *heights))
+    above = {layout.hip_height: 1.0} | ({layout.own + 2: -1.0} if phase.flies else {})
+    found.append(PhaseBound(Kind.REQUEST, "squat", "m", above, {}, *heights))
     bends = motion.bends(index)
     low, high = _yaws((min(bends[0], 0.0), max(bends[1], 0.0)), bounds.torso_yaw)
     found.append(_sine("torso yaw", {layout.torso_yaw: 1.0}, low, high, high - low))

@@ -16,7 +16,7 @@ def default_start(trans: Transcription) -> Array:
     x = np.zeros(trans.size)
     q0 = standing(trans.biped)
     known = np.concatenate([q0, standing_leans(trans.biped, q0)])
-    x[: trans.biped.coordinates * trans.spline.size] = np.repeat(known, trans.spline.size)
+    x[: trans.biped.channels * trans.spline.size] = np.repeat(known, trans.spline.size)
     for index, phase in enumerate(trans.motion.phases):
         if phase.double:
             x[trans.wrench_columns(index)[2]] = 0.5

@@ -3,7 +3,7 @@
 A grid finds a violation up to what a curve does between its instants. The program therefore holds bounds that
 are drawn in by :data:`MARGIN` of their range, and a plan is accepted when it exceeds these by at most :data:`SLACK`.
 What a motion meets exactly has no margin: a foot that meets or leaves the ground, the edge on which it bears before
-and after it turns about it, a limit on which a condition lies.
+and after it turns about it, a limit on which a condition lies, a foot without load where a flight begins or ends.
 """
 
 from __future__ import annotations
@@ -48,7 +48,8 @@ def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> Pha
         and min(abs(item.value - bound.low), abs(item.value - bound.high)) <= _ON
         for item in motion.conditions
     )
-    if met or (other and bound.kind is Kind.NORMAL_FORCE):
+    flies = any(phase.flies for phase in motion.phases[max(index - 1, 0) : index + 2])
+    if met or ((other or flies) and bound.kind is Kind.NORMAL_FORCE):
         return replace(bound, slack=EXACT)
     room = min(MARGIN * bound.span, 0.5 * (1.0 - _LEFT) * (bound.high - bound.low))
     return replace(bound, low=bound.low + room, high=bound.high - room, slack=SLACK * room / (MARGIN * bound.span))

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, passive_rows, wrench_rows
-from gaitsmith.synthesis.program.bounds import Kind
+from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.cones import cone_rows, is_cone
 from gaitsmith.synthesis.program.rates import is_rate, rate_form, rate_label
 from gaitsmith.synthesis.program.rows import Label, Rows, bound_label
@@ -200,6 +200,19 @@ def _efforts(trans: Transcription) -> Array:
     return found
 
 
+def unloaded(trans: Transcription, phase: int, start: bool, end: bool) -> bool:
+    """Whether a support sole bears nothing at an end of a phase, because a flight is there."""
+    phases = trans.motion.phases
+    after_flight = start and phase > 0 and phases[phase - 1].flies
+    return after_flight or (end and phase + 1 < len(phases) and phases[phase + 1].flies)
+
+
+def bears(trans: Transcription, bound: PhaseBound) -> bool:
+    """Whether a bound is on the wrench on the support sole."""
+    layout = trans.layout
+    return any(layout.force <= k < layout.pivot or k in (layout.twist, layout.load) for k in bound.out)
+
+
 def every_bound(trans: Transcription, points: Points, without: tuple[Kind, ...] = ()) -> list[ImposedBound]:
     """Every bound at every point, but those of some kinds."""
     borders, motion = trans.motion.borders, trans.motion
@@ -212,6 +225,7 @@ def every_bound(trans: Transcription, points: Points, without: tuple[Kind, ...] 
         for k, bound in enumerate(trans.bounds[phase]):
             # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
             coned = is_cone(trans, bound) or (free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench)
+            coned = coned or (unloaded(trans, phase, start, end) and bears(trans, bound))
             if not bound.free_at(start, end) and not coned and bound.kind not in without:
                 found.append(ImposedBound(phase, k, time))
     return found

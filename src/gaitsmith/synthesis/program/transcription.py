@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
@@ -57,11 +58,18 @@ class Points:
         return Points(*(np.concatenate(pair) for pair in zip(vars(self).values(), vars(more).values(), strict=True)))
 
 
+def flights_of(motion: Motion) -> list[list[int]]:
+    """Phases in a row with both feet in the air."""
+    grouped = groupby(range(len(motion.phases)), lambda k: motion.phases[k].flies)
+    return [list(group) for flies, group in grouped if flies]
+
+
 class Transcription:
     """Unknowns x of a motion and their linear maps to the points.
 
     x holds the control points of the splines, joint by joint and lean by lean, then for every phase of double support
-    the Bernstein coefficients of u in units of the robot's weight (N and N·m).
+    the Bernstein coefficients of u in units of the robot's weight (N and N·m), then for every flight the control points
+    of the support sole's pose, coordinate by coordinate, in the local frame.
 
     Attributes:
         biped, motion, settings: what was given.
@@ -81,11 +89,17 @@ class Transcription:
         self.spline = JointSpline(np.array(knots), settings.order)
         self.phase_of_section = [i for i, phase in enumerate(motion.phases) for _ in range(phase.sections)]
         self._wrench_first: dict[int, int] = {}
-        size = biped.coordinates * self.spline.size
+        size = biped.channels * self.spline.size
         for index, phase in enumerate(motion.phases):
             if phase.double:
                 self._wrench_first[index] = size
                 size += 6 * (WRENCH_DEGREE + 1)
+        self.flights: dict[int, tuple[int, JointSpline, int]] = {}  # by phase: first section, spline, first unknown
+        for run in flights_of(motion):
+            first, end = self.first_section[run[0]], self.first_section[run[-1]] + motion.phases[run[-1]].sections
+            own = JointSpline(np.array(knots[first : end + 1]), settings.order)
+            self.flights |= dict.fromkeys(run, (first, own, size))
+            size += 6 * own.size
         self.size = size
         self._maps: dict[tuple[int, int, float, int], tuple[Array, Indices, Indices]] = {}
         self.limits: list[list[PhaseBound]] = [
@@ -95,6 +109,20 @@ class Transcription:
             [drawn_in(bound, biped, motion, index) for bound in items] for index, items in enumerate(self.limits)
         ]
         self.pivots = np.array([biped.pivot(phase) * (1.0, phase.side, 1.0) for phase in motion.phases])
+
+    def pose_rows(self, phase: int, time: float, derivative: int) -> sp.csr_matrix:
+        """(6, size) map from x to the pose of the support sole in flight, or to a derivative, at a time."""
+        data, rows, columns = self._pose(
+            phase, int(self.instants(phase, np.array([time])).section[0]), time, derivative
+        )
+        return sp.csr_matrix((data, (rows, columns)), shape=(6, self.size))
+
+    def _pose(self, phase: int, section: int, time: float, derivative: int) -> tuple[Array, Indices, Indices]:
+        """Values, rows and columns of that map."""
+        first, own, start = self.flights[phase]
+        row, coordinate = own.row(section - first, time, derivative), np.arange(6)
+        columns = start + own.size * coordinate[:, None] + own.first(section - first) + np.arange(own.degree + 1)
+        return np.tile(row, 6), np.repeat(coordinate, own.degree + 1), columns.ravel()
 
     def points(self) -> Points:
         """Gauss-Lobatto points of every section; a knot inside a phase is one point."""
@@ -157,11 +185,11 @@ class Transcription:
         return np.arange(start, start + self.spline.degree + 1)
 
     def state_rows(self, border: int, derivative: int) -> sp.csr_matrix:
-        """(c, size) map from x to coordinates or a derivative at a border between phases, in the robot's order."""
+        """(joints + leans, size) map from x to these or a derivative at a border, in the robot's order."""
         t = float(self.borders[border])
         section = self.first_section[border] if border < len(self.first_section) else len(self.spline.knots) - 2
         row = self.spline.row(section, t, derivative)
-        n = self.biped.coordinates
+        n = self.biped.channels
         columns = np.concatenate([self.joint_columns(joint, section) for joint in range(n)])
         rows = np.repeat(np.arange(n), len(row))
         return sp.csr_matrix((np.tile(row, n), (rows, columns)), shape=(n, self.size))
@@ -180,7 +208,7 @@ class Transcription:
         kept = self._maps.get((index, section, t, control))
         if kept is not None:
             return kept
-        layout, n, phase = self.layout, self.biped.coordinates, self.motion.phases[index]
+        layout, n, phase = self.layout, self.biped.channels, self.motion.phases[index]
         width, local = self.spline.degree + 1, np.arange(n)
         # Local joint j is the robot's joint j, or its partner's mirror image.
         source, sign = (local, np.ones(n)) if phase.side > 0 else self.biped.image
@@ -188,8 +216,13 @@ class Transcription:
         data, rows, columns = [], [], []
         for derivative in range(3):
             data.append((sign[:, None] * self.spline.row(section, t, derivative)).ravel())
-            rows.append(np.repeat(derivative * n + local, width))
+            rows.append(np.repeat(derivative * layout.coordinates + local, width))
             columns.append((starts[:, None] + np.arange(width)).ravel())
+            if phase.flies:
+                values, pose, places = self._pose(index, section, t, derivative)
+                data.append(values)
+                rows.append(derivative * layout.coordinates + layout.pose + pose)
+                columns.append(places)
         if phase.double:
             s = min(max((t - self.borders[index]) / phase.duration, 0.0), 1.0)
             shares = bernstein(WRENCH_DEGREE, s) if control < 0 else _UNIT[control]

@@ -99,8 +99,8 @@ def _state(gait: Gait, finder: StateFinder, index: int, time: float) -> FullStat
     """The robot in a phase at a time, s."""
     phase = gait.motion.phases[index]
     instant = np.array([time])
-    q, v, a, lean = (values[:, 0] for values in (*gait.joints(index, instant), gait.leans(index, instant)))
-    return finder.find(phase.support, phase.stand, q, v, a, lean, phase.heading)
+    q, v, a = (values[:, 0] for values in gait.joints(index, instant))
+    return finder.find(phase.support, phase.stand, q, v, a, gait.roots(index, instant)[..., 0], phase.heading)
 
 
 def seams(gait: Gait, biped: Biped, finder: StateFinder) -> dict[str, float]:
@@ -127,8 +127,8 @@ def seams(gait: Gait, biped: Biped, finder: StateFinder) -> dict[str, float]:
 
 
 def _edge(piece: Piece, which: int) -> list[Array]:
-    """Angles, velocities and accelerations of joints and lean at a piece's start or end."""
-    tables, s = (piece.joints, piece.lean), np.array([1.0 if which < 0 else 0.0])
+    """Angles, velocities and accelerations of joints, and of a support sole that moves, at a piece's start or end."""
+    tables, s = (piece.joints, piece.root), np.array([1.0 if which < 0 else 0.0])
     return list(np.concatenate([polynomial(table, s, piece.duration)[:, :, 0] for table in tables], axis=1))
 
 

@@ -91,6 +91,8 @@ def stability(gait: Gait, robot: Robot, box: Box) -> dict[str, Any]:
     biped, engine = biped_from(robot), EnclosedRobot(robot)
     found: dict[str, dict[str, Any]] = {}
     for index, phase in enumerate(gait.motion.phases):
+        if phase.flies:
+            continue
         enclosed = enclose(gait, biped, engine, index, first_stretches(gait, index, _LONGEST))
         for rows in _constraints(biped, phase.straight, box, gait.bounds["friction"]):
             most = _sums(enclosed, box.mass, rows.force, rows.moment).max(axis=0)

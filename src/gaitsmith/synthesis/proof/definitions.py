@@ -50,6 +50,7 @@ class Measured:
         rotation, torso: [3, 3] of the other sole and of the torso.
         hip: height of the hips' midpoint, m.
         ankle, ankle_velocity: [3] origin of the body that carries the other sole, m, m/s.
+        own: [3] the support sole's frame, m; level: [3, 3] its rotation.
         profile: of (lifts, lands): the height that the swing sole has to have, from 0 to 1.
     """
 
@@ -69,6 +70,8 @@ class Measured:
     hip: Any
     ankle: Any
     ankle_velocity: Any
+    own: Any
+    level: Any
     profile: Callable[[bool, bool], Any]
 
 
@@ -117,11 +120,12 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
         index: of the phase.
     """
     phase = motion.phases[index].straight
-    items = [*joint_limits(found, biped, bounds, phase), *_contact(found, biped, bounds, phase, phase.support)]
-    if phase.double:
-        items += _contact(found, biped, bounds, phase, phase.other_foot)
+    items = [*joint_limits(found, biped, bounds, phase)]
+    for foot in () if phase.flies else (phase.support, phase.other_foot) if phase.double else (phase.support,):
+        items += _contact(found, biped, bounds, phase, foot)
     tall = biped.height
-    items.append(Bound("squat", "m", found.hip, _CROUCH * tall, tall - bounds["squat"], tall))  # (7)
+    above = found.hip - (found.own[2] - phase.height) if phase.flies else found.hip
+    items.append(Bound("squat", "m", above, _CROUCH * tall, tall - bounds["squat"], tall))  # (7)
     toward = phase.side
     for name, value in (
         ("pitch", -found.torso[2, 0]),
@@ -277,9 +281,12 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
     if not biped.lines:  # a line may roll about itself
         yield _angle("swing foot roll", found.rotation[2, 1] * phase.side, bounds["foot_tilt"])
     yield _angle("swing foot yaw", found.rotation[1, 0] * phase.side, bounds["foot_tilt"], yaws)
+    if phase.flies:
+        yield from _flying(found, biped, bounds, motion, index)
     least = foot.half_width + biped.sole(phase.support).half_width + bounds["foot_gap"]
     for x in (foot.toe, -foot.heel) if any(yaws) else (0.0,):  # ends of a sole that turns inward
-        apart = (found.pivot[1] - phase.foothold[1] + found.rotation[1, 0] * x) * phase.side
+        aside = found.own[1] if phase.flies else phase.foothold[1]
+        apart = (found.pivot[1] - aside + found.rotation[1, 0] * x) * phase.side
         yield Bound("foot separation", "m", apart, least, np.inf, biped.width)
 
 
@@ -287,6 +294,28 @@ def along_sole(vector: Any, heading: float) -> tuple[Any, Any, Any]:
     """A vector in the axes of a sole that is turned by ``heading``, rad, about the vertical."""
     cos, sin = float(np.cos(heading)), float(np.sin(heading))
     return vector[0] * cos + vector[1] * sin, vector[1] * cos - vector[0] * sin, vector[2]
+
+
+def _flying(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> Iterator[Bound]:
+    """The same of a support sole that has left the ground."""
+    phase, foot = motion.phases[index], biped.sole(motion.phases[index].support)
+    rise = found.profile(motion.lifts(index), motion.lands(index)) * bounds["clearance"]
+    size = foot.heel + foot.toe
+    for height in own_heights(found, biped, phase):
+        ground = GROUND / size
+        yield Bound("support clearance", "m", height - rise, 0.0, np.inf, size, interior=True, allowed=ground)
+    for name, sine, most in (
+        ("pitch", -found.level[2, 0], bounds["foot_pitch"]),
+        ("roll", found.level[2, 1] * phase.side, bounds["foot_tilt"]),
+        ("yaw", found.level[1, 0] * phase.side, bounds["foot_tilt"]),
+    ):
+        yield _angle(f"support foot {name}", sine, most)
+
+
+def own_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
+    """Heights of the support sole's corners above the ground under it, m."""
+    row, above = found.level[2], found.own[2] - phase.height
+    return [above + row[0] * x + row[1] * y for x, y in biped.corners("flat", phase.support).tolist()]
 
 
 def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
@@ -312,6 +341,8 @@ def quantity(found: Measured, biped: Biped, phase: Phase, name: str) -> Any:
         return (rotation[2, 1], -rotation[2, 0], rotation[1, 0])[axis]
     if part == "hip":
         return found.hip
+    if part == "support":
+        return found.own[2]
     if part in ("ankle", "ankle velocity"):
         return (found.ankle if part == "ankle" else found.ankle_velocity)[axis]
     sole = biped.sole(phase.other_foot)

@@ -105,7 +105,7 @@ class EnclosedRobot:
         q: Taylor,
         v: Taylor,
         a: Taylor,
-        lean: Sequence[Taylor] | None = None,
+        pose: Sequence[Taylor] | None = None,
     ) -> dict[int, BodyMotion]:
         """Motion of every body with a sole at ``foothold``, flat, its axes along the world's, standing still.
 
@@ -113,7 +113,7 @@ class EnclosedRobot:
             support: left or right.
             foothold: (x, y) of the sole frame, m, and its height if it is not 0.
             q, v, a: (n, N) joint angles, velocities and accelerations.
-            lean: (N,) each: of a line sole, its roll about its line, and two derivatives.
+            pose: (6, N) each: the sole's x, y, z, yaw, pitch and roll from there, and two derivatives; None: still.
         """
         model, count = self.model, q.shape[-1]
         sine, cosine = sine_cosine(q)
@@ -125,8 +125,8 @@ class EnclosedRobot:
         found = {
             root: BodyMotion(Taylor.constant(turn, count), Taylor.constant(place, count), still, still, still, still)
         }
-        if lean is not None:
-            found[root] = _leaning(turn, np.array([*foothold, 0.0][:3]), np.array(model.site_pos[site]), lean)
+        if pose is not None:
+            found[root] = _moving(turn, np.array([*foothold, 0.0][:3]), np.array(model.site_pos[site]), pose)
         todo = [root]
         while todo:
             body = todo.pop()
@@ -240,18 +240,22 @@ class EnclosedRobot:
         return stacked(rows + [found[k] for k in range(len(found))])
 
 
-def _leaning(turn: Array, place: Array, origin: Array, lean: Sequence[Taylor]) -> BodyMotion:
-    """Motion of a root whose point ``origin`` stays at ``place`` while it rolls about the world's x axis there."""
-    angle, rate, pull = lean
-    sine, cosine = sine_cosine(angle)
-    count = angle.shape[-1]
-    zero, one = Taylor.constant(np.array(0.0), count), Taylor.constant(np.array(1.0), count)
-    rolled = [[one, zero, zero], [zero, cosine, sine * -1.0], [zero, sine, cosine]]
-    rotation = stacked([stacked(row) for row in rolled]).by(turn)
-    omega, alpha = (stacked([value, zero, zero]) for value in (rate, pull))
-    still = Taylor.constant(np.zeros(3), count)
-    known = BodyMotion(rotation, Taylor.constant(place, count), still, still, omega, alpha)
-    return BodyMotion(rotation, *known.point(-origin), omega, alpha)
+def _moving(turn: Array, place: Array, origin: Array, pose: Sequence[Taylor]) -> BodyMotion:
+    """Motion of a root whose point ``origin`` moves from ``place``; at its pose zero its axes are ``turn``."""
+    where, rate, pull = pose
+    (sy, sp, sr), (cy, cp, cr) = (tuple(x[k] for k in range(3)) for x in sine_cosine(where[3:]))
+    zero, one = (Taylor.constant(np.array(value), where.shape[-1]) for value in (0.0, 1.0))
+    up, side = stacked([zero, zero, one]), stacked([sy * -1.0, cy, zero])
+    ahead, across = stacked([cy * cp, sy * cp, sp * -1.0]), stacked([cy * sp, sy * sp, cp])
+    second, third = side * cr + across * sr, across * cr - side * sr
+    rotation = stacked([stacked([column[k] for column in (ahead, second, third)]) for k in range(3)]).by(turn)
+    spin = up * rate[3]
+    bend = up * pull[3] + side * pull[4] + ahead * pull[5] + cross(spin, side) * rate[4]
+    spin = spin + side * rate[4]
+    bend = bend + cross(spin, ahead) * rate[5]
+    spin = spin + ahead * rate[5]
+    known = BodyMotion(rotation, where[:3] + place[:, None], rate[:3], pull[:3], spin, bend)
+    return BodyMotion(rotation, *known.point(-origin), spin, bend)
 
 
 def _rows(vector: Taylor) -> list[Taylor]:

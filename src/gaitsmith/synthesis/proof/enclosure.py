@@ -69,15 +69,17 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
     phase, pieces = gait.motion.phases[index].straight, gait.pieces[index]
     count = len(stretches)
     joints = len(gait.joint_names)
-    q, v, a, torque, rate, wrench, *leans = (_Rows(width, count) for width in (*(5 * (joints,)), 12, 1, 1, 1))
+    q, v, a, torque, rate, wrench, *pose = (_Rows(width, count) for width in (*(5 * (joints,)), 12, 6, 6, 6))
     middles, spans = np.zeros(count), np.zeros(count)
     for number in sorted({item.section for item in stretches}):
         piece = pieces[number]
         mask = np.array([k for k, item in enumerate(stretches) if item.section == number])
         middle = np.array([0.5 * (stretches[k].begin + stretches[k].end) for k in mask])
         half = np.array([0.5 * (stretches[k].end - stretches[k].begin) for k in mask])
-        for table, derivatives in ((piece.joints, (q, v, a)), (piece.lean, leans)):
-            for order, rows in enumerate(derivatives if len(table) else ()):
+        whole = np.zeros((6, piece.root.shape[1]))
+        whole[6 - len(piece.root) :] = piece.root
+        for table, derivatives in ((piece.joints, (q, v, a)), (whole, pose)):
+            for order, rows in enumerate(derivatives if table.any() else ()):
                 rows.put(mask, *_shifted(table, middle, half), 1.0 / piece.duration**order)
                 table = table[:, 1:] * np.arange(1, table.shape[1]) if table.shape[1] > 1 else 0.0 * table
         torque.put(mask, *_series(piece.torque, middle, half), 1.0)
@@ -85,8 +87,8 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
         wrench.put(mask, *_series(piece.wrench, middle, half), 1.0)
         middles[mask], spans[mask] = piece.start + middle * piece.duration, 2.0 * half * piece.duration
     states = q.taylor, v.taylor, a.taylor
-    lean = [rows.taylor[0] for rows in leans] if biped.lines else None
-    motions = engine.motions(phase.support, phase.stand, *states, lean)
+    moving = [rows.taylor for rows in pose] if biped.lines or phase.flies else None
+    motions = engine.motions(phase.support, phase.stand, *states, moving)
     both = {"left": (wrench.taylor[0:3], wrench.taylor[3:6]), "right": (wrench.taylor[6:9], wrench.taylor[9:12])}
     loads = engine.inertial(motions)
     residual = engine.residual(motions, loads, both, states, torque.taylor)
@@ -172,6 +174,8 @@ def _measured(
     phase, robot = gait.motion.phases[index].straight, biped.robot
     leg, pivot = biped.leg(phase.other_foot), biped.pivot(phase)
     foot, torso = motions[leg.sole_body], motions[robot.torso_body]
+    stands = biped.leg(phase.support)
+    own = motions[stands.sole_body]
 
     def point(x: Array) -> tuple[Taylor, Taylor, Taylor]:
         """Of the other sole, in its frame."""
@@ -197,6 +201,7 @@ def _measured(
         *(*states, *torques, gait.moving),
         *(force, moment, push, turn - cross(rotation.by(pivot), push)),
         *(point(pivot)[0], rotation, torso.rotation, hip[2] - phase.height, ankle, ankle_speed),
+        *(own.point(stands.sole_position)[0], own.rotation.by(stands.sole_rotation)),
         profile=lambda lifts, lands: _profile(clock, lifts, lands),
     )
     return found, contacts

@@ -27,7 +27,7 @@ class Errors:
         closure: of the contact points in double support: mm, m/s, m/s².
         residual: of the equations of motion, of the weight.
         edge: moment about an edge that a foot turns about, or about a line sole's line, of weight times height.
-        air: wrench on a foot in the air, of the weight.
+        air: wrench on feet in the air, of the weight.
     """
 
     closure: dict[str, float] = field(default_factory=lambda: dict.fromkeys(CLOSURE, 0.0))
@@ -58,11 +58,11 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     """A phase's numbers (N,) at times within it; errors are added to ``errors``."""
     phase = gait.motion.phases[index].straight
     q, v, a = gait.joints(index, times)
-    lean = gait.leans(index, times)
+    root = gait.roots(index, times)
     torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
     support, other = (wrench[6:], wrench[:6]) if phase.support == "right" else (wrench[:6], wrench[6:])
     count, pivot = len(times), biped.pivot(phase)
-    vectors, matrices = ("pivot", "ankle", "ankle_velocity"), ("rotation", "torso")
+    vectors, matrices = ("pivot", "ankle", "ankle_velocity", "own"), ("rotation", "torso", "level")
     rows: dict[str, Any] = {"hip": np.zeros(count)}
     rows |= {name: np.zeros((3, count)) for name in vectors} | {name: np.zeros((3, 3, count)) for name in matrices}
     leg, robot = biped.leg(phase.other_foot), biped.robot
@@ -72,10 +72,11 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         corners = np.array([(x, y, 0.0) for x, y in biped.corners(phase.contact, phase.other_foot)]).T
         goals = about_vertical(phase.other_heading) @ corners + np.array([*phase.other, phase.other_height])[:, None]
     for k in range(count):
-        finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], lean[:, k])
+        finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], root[..., k])
         foot = finder.foot(phase.other_foot, heel)
         rows["ankle"][:, k], rows["ankle_velocity"][:, k], _, rotation, *_ = foot
         rows["pivot"][:, k], rows["rotation"][..., k] = foot[0] + rotation @ (pivot - heel), rotation
+        rows["own"][:, k], _, _, rows["level"][..., k], *_ = finder.foot(phase.support, np.zeros(3))
         torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
         rows["torso"][..., k] = torso
         rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2] - phase.height
@@ -85,7 +86,8 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         errors.residual = larger(errors.residual, residual)
     rows["turn"] = other[3:] - _cross(np.einsum("ijn,j->in", rows["rotation"], pivot), other[:3])
     if not phase.double:
-        errors.air = larger(errors.air, np.abs(other).max(initial=0.0) / biped.weight)
+        lifted = np.abs(wrench if phase.flies else other).max(initial=0.0)
+        errors.air = larger(errors.air, lifted / biped.weight)
     elif phase.contact != "flat":
         about = along_sole(rows["turn"], phase.other_heading)[1]
         errors.edge = larger(errors.edge, np.abs(about).max(initial=0.0) / biped.effort)

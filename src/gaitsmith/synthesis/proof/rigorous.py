@@ -14,7 +14,7 @@ from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Phase
 from gaitsmith.synthesis.proof.box import Box, stability
-from gaitsmith.synthesis.proof.definitions import ROUNDING, Bound, corner_heights, phase_bounds
+from gaitsmith.synthesis.proof.definitions import ROUNDING, Bound, corner_heights, own_heights, phase_bounds
 from gaitsmith.synthesis.proof.dynamics import EnclosedRobot
 from gaitsmith.synthesis.proof.enclosure import Enclosed, enclose, first_stretches
 from gaitsmith.synthesis.proof.ranges import suprema
@@ -151,8 +151,9 @@ def _equations(enclosed: Enclosed, biped: Biped, phase: Phase) -> list[Bound]:
         for moment in (enclosed.measured.moment[0], enclosed.measured.turn[0]):
             value = moment * (1.0 / biped.effort)
             found.append(Bound("moment about a sole's line", "weights·m", value, -_LINE, _LINE, 2.0 * _LINE))
-    for height in corner_heights(enclosed.measured, biped, phase):
-        found.append(Bound("height of the other sole", "m", height, -_PENETRATION, np.inf, 0.1 * biped.height))
+    heights = corner_heights(enclosed.measured, biped, phase)
+    for height in heights + (own_heights(enclosed.measured, biped, phase) if phase.flies else []):
+        found.append(Bound("height of a sole", "m", height, -_PENETRATION, np.inf, 0.1 * biped.height))
     return found
 
 

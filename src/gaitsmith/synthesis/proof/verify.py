@@ -32,7 +32,7 @@ from gaitsmith.synthesis.proof.certificate import (
     tally,
     unloaded,
 )
-from gaitsmith.synthesis.proof.definitions import Bound, Measured, corner_heights, phase_bounds
+from gaitsmith.synthesis.proof.definitions import LOADED, Bound, Measured, corner_heights, own_heights, phase_bounds
 from gaitsmith.synthesis.proof.measured import Errors, larger, measure, smaller
 
 Array = npt.NDArray[np.float64]
@@ -166,15 +166,20 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
 def _figures(verdict: Verdict, biped: Biped, gait: Gait, index: int, found: Measured) -> None:
     """Penetration, clearance and ZMP margins of one phase, mm."""
     phase = gait.motion.phases[index].straight
-    lowest = 1e3 * np.min(corner_heights(found, biped, phase), axis=0)
+    heights = corner_heights(found, biped, phase) + (own_heights(found, biped, phase) if phase.flies else [])
+    lowest = 1e3 * np.min(heights, axis=0)
     verdict.penetration = larger(verdict.penetration, -lowest.min())
     if phase.double and phase.rise:
         return  # with soles at two heights there is no plane for a ZMP
-    margin = 1e3 * float(inside(hull(contact_points(biped, phase)), _zmp(found, phase)).min())
-    verdict.hull_margin = smaller(verdict.hull_margin, margin)
-    if phase.double:
-        return
-    verdict.zmp_margin = smaller(verdict.zmp_margin, margin)
+    if not phase.flies:
+        near = any(item.flies for item in gait.motion.phases[max(index - 1, 0) : index + 2])
+        bare = near & (found.force[2] + found.push[2] < LOADED * biped.weight)  # next to a flight there is no ZMP
+        places = inside(hull(contact_points(biped, phase)), _zmp(found, phase))
+        margin = 1e3 * float(places[~bare].min(initial=np.inf))
+        verdict.hull_margin = smaller(verdict.hull_margin, margin)
+        if phase.double:
+            return
+        verdict.zmp_margin = smaller(verdict.zmp_margin, margin)
     count = len(lowest)
     begin = count // 2 if gait.motion.lifts(index) else 0
     end = count // 2 if gait.motion.lands(index) else count

@@ -16,7 +16,16 @@ from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.gait import Gait, follow, moved_value
 from gaitsmith.synthesis.motions.biped import REST, standing
-from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters, cyclic, kick, start, stop
+from gaitsmith.synthesis.motions.catalogue import (
+    JumpParameters,
+    KickParameters,
+    StepParameters,
+    cyclic,
+    jump,
+    kick,
+    start,
+    stop,
+)
 from gaitsmith.synthesis.motions.motion import QUANTITIES, Condition, Motion, Same
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
@@ -27,8 +36,8 @@ from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 
 Array = npt.NDArray[np.float64]
-Kind = Literal["cyclic", "start", "stop", "walk", "kick", "stairs", "turn"]
-KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick", "stairs", "turn")
+Kind = Literal["cyclic", "start", "stop", "walk", "kick", "stairs", "turn", "jump"]
+KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick", "stairs", "turn", "jump")
 RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
 KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
@@ -100,6 +109,7 @@ class Request:
         kind: which.
         step: of the walk that it belongs to.
         kick: of the kick.
+        jump: of the jump.
         cycles: steps of the cyclic gait in a walk.
         settings: order, bounds, tolerances.
         faster: whether shorter steps at the same speed are tried where there is no gait: a robot with narrow soles or
@@ -113,6 +123,7 @@ class Request:
     kind: Kind
     step: StepParameters = field(default_factory=lambda: StepParameters(0.15, 1.0))
     kick: KickParameters = field(default_factory=KickParameters)
+    jump: JumpParameters = field(default_factory=JumpParameters)
     cycles: int = 10
     settings: Settings = field(default_factory=Settings)
     faster: bool = False
@@ -171,6 +182,8 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
     rest = standing(biped, biped.height - max(REST * biped.height, settings.sized(biped).bounds.squat))
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
+    if request.kind == "jump":
+        return Answer(results, run(jump(biped, request.jump, rest), settings).gait)
     if request.kind == "stairs":
         check_stairs(biped, request.step)
         cycle = run(stairs_cycle(biped, request.step), request.settings)

@@ -46,7 +46,7 @@ def single_support_margin(gait: Gait, biped: Biped) -> float:
     margins = [
         zmp_margin(biped, phase, gait.wrenches(index, np.linspace(borders[index], borders[index + 1], _SAMPLES)))
         for index, phase in enumerate(gait.motion.phases)
-        if not phase.double
+        if not phase.double and not phase.flies
     ]
     return min(margins, default=np.inf)
 

@@ -16,7 +16,7 @@ from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 from gaitsmith.synthesis.solution.curves_from_solution import local_inputs, phase_pieces
-from gaitsmith.synthesis.solution.passive import LocalPiece, balanced, with_leans
+from gaitsmith.synthesis.solution.passive import LocalPiece, balanced, with_roots
 
 Array = npt.NDArray[np.float64]
 _TIGHTEST = 0.3  # of a span: the stored curves close the chain better than the program does
@@ -94,7 +94,7 @@ def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, coun
     """All bounds of all phases at ``count`` instants each, on the curves as they will be stored."""
     borders, found = trans.motion.borders, []
     every = [phase_pieces(trans, functions, x, phase) for phase in range(len(trans.motion.phases))]
-    for phase, pieces in enumerate(with_leans(trans, functions, every)):
+    for phase, pieces in enumerate(with_roots(trans, functions, every)):
         times = np.linspace(borders[phase], borders[phase + 1], count)
         z = balanced(trans, functions, phase, local_inputs(trans, x, phase, pieces, times))
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)), trans.motion.phases[phase].side)

@@ -186,8 +186,13 @@ def finished_pieces(
     across = np.full(z.shape[1], np.cos(item.bend))
     r = x * along + y * np.vstack([-o[layout.foot_yaw], across, o[layout.foot_roll]])
     u[3:] += np.cross(r.T, u[:3].T).T
+    if item.flies:  # to what the equations of motion leave
+        support = 0.0 * support
     joints = [coefficients[:n, : trans.settings.order + 1] for _, _, coefficients in pieces]
-    leans = [item.side * coefficients[n : n + layout.leans // 2] for _, _, coefficients in pieces]
+    own = slice(layout.pose, layout.pose + 6) if item.flies else slice(n, n + layout.leans // 2)
+    signs = np.ones(6) if item.side > 0 else _MIRROR
+    roots = [signs[6 - (own.stop - own.start) :, None] * coefficients[own] for _, _, coefficients in pieces]
+    roots = [root if len(root) else np.zeros((0, 1)) for root in roots]
     if item.side < 0:
         torque = trans.biped.mirrored(torque.T).T
         support, u = support * _MIRROR[:, None], u * _MIRROR[:, None]
@@ -195,7 +200,7 @@ def finished_pieces(
     wrench = np.vstack([u, support] if item.support == "right" else [support, u])
     parts = np.split(np.vstack([torque, wrench]), len(pieces), axis=1)
     series = [_trimmed(part[:n] @ to_series) for part in parts], [_trimmed(part[n:] @ to_series) for part in parts]
-    every = zip(pieces, joints, *series, leans, strict=True)
+    every = zip(pieces, joints, *series, roots, strict=True)
     return tuple(Piece(start, span, *each) for (start, span, _), *each in every)
 
 

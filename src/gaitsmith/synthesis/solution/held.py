@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev, chebyshev_fit, polynomial
 from gaitsmith.synthesis.gaits.full_state import StateFinder
-from gaitsmith.synthesis.gaits.gait import Gait, Piece, lean_of
+from gaitsmith.synthesis.gaits.gait import Gait, Piece, root_of
 from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Condition, Motion, Phase, State
@@ -55,11 +55,11 @@ def with_held(biped: Biped, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Pi
         joints[:, 0] = biped.home
         joints[biped.index] = piece.joints
         q, v, a = polynomial(joints, nodes, piece.duration)
-        lean = lean_of(piece, nodes)
+        root = root_of(piece, nodes)
         wrench, none = chebyshev(piece.wrench, nodes), np.zeros(len(biped.home))
         loads = []
         for k in range(_SAMPLES):
-            finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], lean[:, k])
+            finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], root[..., k])
             loads.append(finder.residual(none, wrench[:, k])[6 + biped.held])
         series = np.array(loads).T @ to_series
         torque = np.zeros((len(biped.home), max(series.shape[1], piece.torque.shape[1])))

@@ -1,9 +1,9 @@
-"""Leans of line soles between the collocation points: no joint drives them, so that their equation of motion must hold.
+"""Support soles that move, between the collocation points: no joint drives them, so that their equations must hold.
 
-The program holds it at its points only. In the air the support sole's lean is solved from it, as polynomials of high
-degree through the ends that the program gave; what is left at the far end is taken up by a small change of the joints
-at knots inside. In double support the wrench on the other sole, whose cones do not mind, is scaled until no moment is
-left about the support's line.
+The program holds them at its points only. With one line sole on the ground its lean is solved from its equation of
+motion, in flight the pose of the sole from all six, as polynomials of high degree through the ends that the program
+gave; what is left at the far end is taken up by small changes of the joints at knots inside. While both line soles
+bear, the wrench on the other one, whose cones do not mind, is scaled until no moment is left about the support's line.
 """
 
 from __future__ import annotations
@@ -15,22 +15,26 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import hermite, polynomial
-from gaitsmith.synthesis.gaits.gait import LEAN_DEGREE
+from gaitsmith.synthesis.gaits.gait import ROOT_DEGREE
 from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
 LocalPiece = tuple[float, float, Array]  # start, duration, coefficients in local order
 _ROUNDS = 6
-_DONE = 1e-12  # of the robot's unit of torque
+_DONE = 1e-12  # of the robot's weight, or its unit of torque
+_RANK = 1e-9  # of the largest singular value: momenta at both ends follow from each other
 _POWERS = np.array(
     [
         np.polynomial.Polynomial.cast(np.polynomial.Chebyshev.basis(k, [0, 1])).coef.tolist()
-        + [0.0] * (LEAN_DEGREE - k)
-        for k in range(LEAN_DEGREE + 1)
+        + [0.0] * (ROOT_DEGREE - k)
+        for k in range(ROOT_DEGREE + 1)
     ]
 ).T  # from Chebyshev coefficients on [0, 1] to those of 1, s, s² ...
-_NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(LEAN_DEGREE - 1) / (LEAN_DEGREE - 2))
+_NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(ROOT_DEGREE - 1) / (ROOT_DEGREE - 2))
+_BASIS = [np.polynomial.chebyshev.Chebyshev(row, [0, 1]) for row in np.eye(ROOT_DEGREE + 1)]
+_TABLES = np.array([[p.deriv(d)(_NODES) if d else p(_NODES) for p in _BASIS] for d in range(3)])  # (3, D + 1, N)
+_SIDES = np.array([[[p.deriv(d)(x) if d else p(x) for p in _BASIS] for d in range(2)] for x in (0.0, 1.0)])
 
 
 def balanced(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
@@ -47,33 +51,29 @@ def balanced(trans: Transcription, functions: PointFunctions, phase: int, z: Arr
     return bare
 
 
-def with_leans(
+def with_roots(
     trans: Transcription, functions: PointFunctions, pieces: list[list[LocalPiece]]
 ) -> list[list[LocalPiece]]:
-    """All phases' pieces with the leans of single support solved from their equation of motion."""
-    if not trans.layout.leans:
-        return pieces
+    """All phases' pieces with the motion of support soles solved from the equations of motion."""
     found, phases = list(pieces), trans.motion.phases
-    for (double, _), group in groupby(range(len(phases)), lambda k: (phases[k].double, phases[k].support)):
+
+    def kind(k: int) -> tuple[bool, bool, str]:
+        return phases[k].double, phases[k].flies, phases[k].support
+
+    for (double, flies, _), group in groupby(range(len(phases)), kind):
         run = list(group)
-        if double:
+        if double or not (flies or trans.layout.leans):
             continue
-        solved = iter(
-            _Run(trans, functions, run[0], [piece for k in run for piece in pieces[k]], _borders(pieces, run)).solved()
-        )
+        borders = set(np.cumsum([len(pieces[k]) for k in run]).tolist())
+        solved = iter(_Run(trans, functions, run[0], [piece for k in run for piece in pieces[k]], borders).solved())
         for k in run:
             found[k] = [next(solved) for _ in pieces[k]]
     return found
 
 
-def _borders(pieces: list[list[LocalPiece]], run: list[int]) -> set[int]:
-    """Knots of a run of phases, counted from its start, at which phases meet."""
-    return set(np.cumsum([len(pieces[k]) for k in run]).tolist())
-
-
 @dataclass(eq=False)
 class _Run:
-    """Phases in a row with one sole on the ground."""
+    """Phases in a row in which a sole moves alike; ``borders``: knots at which phases meet, counted from the start."""
 
     trans: Transcription
     functions: PointFunctions
@@ -81,96 +81,94 @@ class _Run:
     pieces: list[LocalPiece]
     borders: set[int]
 
-    def solved(self) -> list[LocalPiece]:
-        """The pieces with their equation of motion met; as they were where Newton's method does not arrive."""
-        layout, n = self.trans.layout, self.trans.layout.joints
-        spans = np.array([span for _, span, _ in self.pieces])
-        states = np.array([polynomial(c, np.zeros(1), span)[:, :, 0] for _, span, c in self.pieces])
-        _, span, last = self.pieces[-1]
-        states = np.concatenate([states, polynomial(last, np.ones(1), span)[None, :, :, 0]])  # (P + 1, 3, c)
-        ends = states[[0, -1], :2, n]
-        free = [k for k in range(1, len(self.pieces)) if k not in self.borders]
-        basis = [np.polynomial.chebyshev.Chebyshev(row, [0, 1]) for row in np.eye(LEAN_DEGREE + 1)]
-        tables = np.array([[p.deriv(d)(_NODES) if d else p(_NODES) for p in basis] for d in range(3)])  # (3, D + 1, N)
-        sides = np.array([[[p.deriv(d)(x) if d else p(x) for p in basis] for d in range(2)] for x in (0.0, 1.0)])
-        lean = np.array([np.linalg.lstsq(_POWERS, _padded(c)[n], rcond=None)[0] for _, _, c in self.pieces])
-        toward = None
-        for _ in range(_ROUNDS):
-            curves = [hermite(h, *states[k : k + 2]) for k, h in enumerate(spans)]
-            z = self._inputs(curves, lean, spans)
-            o, J = self.functions.differentiate(z, np.zeros((3, z.shape[1])), self.trans.motion.phases[self.phase].side)
-            scale = 1.0 / self.trans.biped.effort
-            moment, slope = o[layout.moment] * scale, J[:, layout.moment] * scale
-            if toward is None:
-                toward = slope[:, layout.acceleration : layout.acceleration + n].mean(axis=0)
-                toward = toward / np.linalg.norm(toward)
-            left = self._ends(lean, spans, sides, ends)
-            if max(np.abs(moment).max(), np.abs(left).max()) < _DONE:
-                break
-            matrix = self._matrix(slope, spans, tables, sides, free, toward)
-            step = np.linalg.lstsq(matrix, -np.concatenate([moment, left]), rcond=None)[0]
-            lean = lean + step[: lean.size].reshape(lean.shape)
-            for k, change in zip(free, step[lean.size :].reshape(-1, 3), strict=True):
-                h = spans[k]
-                states[k, :, :n] += np.outer(change * (1.0, 1.0 / h, 1.0 / h**2), toward)
-        if not np.isfinite(lean).all():
-            return self.pieces
-        return [(a, h, self._whole(hermite(h, *states[k : k + 2]), lean[k])) for k, (a, h, _) in enumerate(self.pieces)]
+    def __post_init__(self) -> None:
+        layout, biped = self.trans.layout, self.trans.biped
+        flies = self.trans.motion.phases[self.phase].flies
+        self.side = self.trans.motion.phases[self.phase].side
+        self.own = np.arange(layout.pose, layout.pose + 6) if flies else np.array([layout.joints])
+        self.rows = np.arange(layout.force, layout.force + 6) if flies else np.array([layout.moment])
+        self.scale = np.where(self.rows < layout.moment, 1.0 / biped.weight, 1.0 / biped.effort)
+        self.spans = np.array([span for _, span, _ in self.pieces])
+        self.free = [k for k in range(1, len(self.pieces)) if k not in self.borders]
 
-    def _whole(self, curve: Array, lean: Array) -> Array:
-        """Coefficients (c, LEAN_DEGREE + 1) with the support's lean from its Chebyshev coefficients."""
-        found = _padded(curve)
-        found[self.trans.layout.joints] = _POWERS @ lean
+    def solved(self) -> list[LocalPiece]:
+        """The pieces with their equations of motion met; what is left shows in the checks."""
+        n, spans = self.trans.layout.joints, self.spans
+        states = np.array([polynomial(c, np.zeros(1), span)[:, :, 0] for _, span, c in self.pieces])
+        states = np.concatenate([states, polynomial(self.pieces[-1][2], np.ones(1), spans[-1])[None, :, :, 0]])
+        ends = states[[0, -1]][:, :2, self.own]  # (end, derivative, r)
+        padded = np.array([_padded(c)[self.own] for _, _, c in self.pieces])  # (P, r, D + 1)
+        series = np.linalg.solve(_POWERS, padded.transpose(2, 0, 1).reshape(len(_POWERS), -1))
+        root = series.reshape(len(_POWERS), *padded.shape[:2]).transpose(1, 2, 0)
+        for _ in range(_ROUNDS):
+            z = self._inputs(states, root)
+            o, J = self.functions.differentiate(z, np.zeros((3, z.shape[1])), self.side)
+            gap = (o[self.rows] * self.scale[:, None]).T.ravel()  # by node, then row
+            left = self._ends(root, ends)
+            if max(np.abs(gap).max(), np.abs(left).max()) < _DONE:
+                break
+            matrix = self._matrix(J[:, self.rows] * self.scale[:, None])
+            step = np.linalg.lstsq(matrix, -np.concatenate([gap, left.ravel()]), rcond=_RANK)[0]
+            root = root + step[: root.size].reshape(root.shape)
+            for k, change in zip(self.free, step[root.size :].reshape(-1, 3, n), strict=True):
+                states[k, :, :n] += change / spans[k] ** np.arange(3)[:, None]
+        if not np.isfinite(root).all():
+            return self.pieces
+        return [(a, h, self._whole(states, root, k)) for k, (a, h, _) in enumerate(self.pieces)]
+
+    def _whole(self, states: Array, root: Array, k: int) -> Array:
+        """Coefficients (c, ROOT_DEGREE + 1) of a piece, the sole's own from their Chebyshev coefficients."""
+        found = _padded(hermite(self.spans[k], *states[k : k + 2]))
+        found[self.own] = root[k] @ _POWERS.T
         return found
 
-    def _inputs(self, curves: list[Array], lean: Array, spans: Array) -> Array:
+    def _inputs(self, states: Array, root: Array) -> Array:
         """Inputs (inputs, P * N) at all nodes."""
-        layout, found = self.trans.layout, []
-        for curve, own, h in zip(curves, lean, spans, strict=True):
-            z = np.zeros((layout.inputs, len(_NODES)))
-            z[: layout.wrench] = polynomial(self._whole(curve, own), _NODES, h).reshape(layout.wrench, -1)
-            found.append(z)
-        return np.hstack(found)
+        z = np.zeros((len(root), self.trans.layout.inputs, len(_NODES)))
+        for k, h in enumerate(self.spans):
+            z[k, : self.trans.layout.wrench] = polynomial(self._whole(states, root, k), _NODES, h).reshape(
+                -1, len(_NODES)
+            )
+        return z.transpose(1, 0, 2).reshape(self.trans.layout.inputs, -1)
 
-    @staticmethod
-    def _ends(lean: Array, spans: Array, sides: Array, ends: Array) -> Array:
-        """What is left of the lean's value and rate at both ends, and of their continuity in between."""
-        rates = np.array([np.ones_like(spans), 1.0 / spans])  # (2, P)
-        first, last = ((side @ lean.T) * rates for side in sides)  # (2, P)
-        return np.concatenate([first[:, 0] - ends[0], last[:, -1] - ends[1], (last[:, :-1] - first[:, 1:]).ravel()])
+    def _ends(self, root: Array, ends: Array) -> Array:
+        """(2 P + 2, r) what is left of places and rates at both ends, and of their continuity in between."""
+        rates = self.spans[:, None] ** -np.arange(2.0)  # (P, derivative)
+        first, last = ((root @ side.T).transpose(0, 2, 1) * rates[:, :, None] for side in _SIDES)
+        return np.concatenate([first[0] - ends[0], last[-1] - ends[1], *(last[:-1] - first[1:])])
 
-    def _matrix(self, slope: Array, spans: Array, tables: Array, sides: Array, free: list[int], toward: Array) -> Array:
-        """Derivatives of moments and ends by the leans' coefficients and the changes of the free knots."""
-        layout, count, terms = self.trans.layout, len(spans), LEAN_DEGREE + 1
-        nodes, places = len(_NODES), (layout.position, layout.velocity, layout.acceleration)
-        found = np.zeros((count * nodes + 2 * count + 2, count * terms + 3 * len(free)))
-        by_lean = slope[:, [place + layout.joints for place in places]]
-        by_joints = np.array([slope[:, place : place + layout.joints] @ toward for place in places]).T
-        for k, h in enumerate(spans):
-            rows, columns = slice(k * nodes, (k + 1) * nodes), slice(k * terms, (k + 1) * terms)
-            found[rows, columns] = sum(by_lean[rows, d, None] * tables[d].T / h**d for d in range(3))
+    def _matrix(self, slope: Array) -> Array:
+        """Derivatives of gaps and ends by the sole's coefficients and the changes of the joints at the free knots."""
+        layout, count, r, n = self.trans.layout, len(self.spans), len(self.own), self.trans.layout.joints
+        nodes, width = len(_NODES), r * len(_POWERS)
+        by = slope[:, :, : layout.wrench].reshape(len(slope), r, 3, layout.coordinates)
+        found = np.zeros(((count * nodes + 2 * count + 2) * r, count * width + 3 * n * len(self.free)))
+        for k, h in enumerate(self.spans):
+            here, rows = slice(k * nodes, (k + 1) * nodes), slice(k * nodes * r, (k + 1) * nodes * r)
+            tables = _TABLES / h ** np.arange(3)[:, None, None]  # (derivative, term, node)
+            own = np.einsum("nado,dtn->naot", by[here][..., self.own], tables)
+            found[rows, k * width : (k + 1) * width] = own.reshape(nodes * r, width)
             for side in (0, 1):
-                if k + side not in free:
+                if k + side not in self.free:
                     continue
-                scale = np.diag([1.0, 1.0 / spans[k + side], 1.0 / spans[k + side] ** 2])
-                states = [scale, np.zeros((3, 3))] if side == 0 else [np.zeros((3, 3)), scale]
-                moved = polynomial(hermite(h, *states), _NODES, h)  # (3, 3, N): derivative, parameter
-                first = count * terms + 3 * free.index(k + side)
-                found[rows, first : first + 3] += np.einsum("nd,dpn->np", by_joints[rows], moved)
-        row = count * nodes
-        for k, side, sign, at in [(0, 0, 1.0, row), (count - 1, 1, 1.0, row + 2)]:
-            for d in range(2):
-                found[at + d, k * terms : (k + 1) * terms] = sign * sides[side, d] / spans[k] ** d
-        for k in range(count - 1):
-            for d in range(2):
-                at = row + 4 + d * (count - 1) + k
-                found[at, k * terms : (k + 1) * terms] = sides[1, d] / spans[k] ** d
-                found[at, (k + 1) * terms : (k + 2) * terms] = -sides[0, d] / spans[k + 1] ** d
+                states = [np.zeros((3, 3)), np.zeros((3, 3))]
+                states[side] = np.diag(self.spans[k + side] ** -np.arange(3.0))
+                moved = polynomial(hermite(h, *states), _NODES, h)  # (derivative, parameter, node)
+                first = count * width + 3 * n * self.free.index(k + side)
+                changed = np.einsum("nadj,dpn->napj", by[here][..., :n], moved)
+                found[rows, first : first + 3 * n] += changed.reshape(nodes * r, 3 * n)
+        at = count * nodes * r
+        places = [(0, 0, 1.0, 0), (count - 1, 1, 1.0, 1)]  # piece, end, sign, pair of rows
+        places += [(k, 1, 1.0, k + 2) for k in range(count - 1)] + [(k + 1, 0, -1.0, k + 2) for k in range(count - 1)]
+        for k, side, sign, pair in places:
+            block = sign * _SIDES[side] / self.spans[k] ** np.arange(2)[:, None]  # (derivative, term)
+            rows = slice(at + 2 * r * pair, at + 2 * r * (pair + 1))
+            found[rows, k * width : (k + 1) * width] += np.einsum("dt,ab->dabt", block, np.eye(r)).reshape(2 * r, width)
         return found
 
 
 def _padded(coefficients: Array) -> Array:
-    """Coefficients (c, LEAN_DEGREE + 1) with zeros behind."""
-    found = np.zeros((len(coefficients), LEAN_DEGREE + 1))
+    """Coefficients (c, ROOT_DEGREE + 1) with zeros behind."""
+    found = np.zeros((len(coefficients), ROOT_DEGREE + 1))
     found[:, : coefficients.shape[1]] = coefficients
     return found

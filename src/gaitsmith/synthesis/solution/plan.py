@@ -19,7 +19,7 @@ from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Motion
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.functions import PointFunctions, point_functions
-from gaitsmith.synthesis.program.bounds import check_edges, check_margin
+from gaitsmith.synthesis.program.bounds import check_margin, check_roots
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.margin import MARGIN
 from gaitsmith.synthesis.program.program import CURVED, SELDOM, ImposedBound, Program, every_bound, make_program
@@ -136,6 +136,13 @@ class Planner:
         """Of a point, compiled when they are first needed."""
         return point_functions(self.biped, self.notify)
 
+    @cached_property
+    def flying(self) -> Planner:
+        """The same for motions in which both feet leave the ground."""
+        found = Planner(self.biped.robot, self.notify)
+        found.biped = replace(self.biped, flies=True)
+        return found
+
     def plan(
         self,
         motion: Motion,
@@ -156,9 +163,11 @@ class Planner:
         Raises:
             BadInput: the ZMP margin leaves nothing of the sole, or a line sole turns about its end.
         """
+        if motion.flies and not self.biped.flies:
+            return self.flying.plan(motion, settings, neighbour, start, report)
         settings = (settings or Settings()).sized(self.biped, motion.transfer, motion.lift)
         check_margin(self.biped, settings.bounds)
-        check_edges(self.biped, motion)
+        check_roots(self.biped, motion, settings.order)
         compiled = self.functions.compile_s if self._compile_s is None else 0.0
         begin = time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
@@ -183,7 +192,7 @@ class Planner:
             tell = None if report is None else partial(report, result.rounds)
             far = start is not None or examined
             left = max(settings.max_iterations - result.iterations, 1)
-            most = left if far else min(left, _USUAL if found is None else _ANOTHER)
+            most = left if far or motion.flies else min(left, _USUAL if found is None else _ANOTHER)
             easier = relaxation.imposes(imposed)
             found, fallbacks = self._solve(program, found, x, settings, most, result.rounds, far, easier, tell)
             x = found.x
