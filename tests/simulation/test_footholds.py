@@ -24,13 +24,28 @@ def land(source, wanted, sole=SOLE):
     return source.landing(sole, np.array([wanted - 0.15, 0.1, 0.0]), np.array([wanted, 0.1]), 0.0)
 
 
-@given(st.floats(1.0, 3.4))
-def test_a_sole_meets_the_highest_ground_below_it(wanted: float) -> None:
-    """The tread that it stands on, also with its toe alone; and it is lifted over all that lies on its way."""
-    found = land(MappedGround(STAIRS), wanted)
-    ends = STAIRS.heights(wanted + np.array([-SOLE.heel, 0.0, SOLE.toe]), np.zeros(3))
-    assert ends.max() - 1e-9 <= found.height <= ends.max() + 0.1 + 1e-9
-    assert found.highest >= max(found.height, STAIRS.heights(np.array([wanted - 0.15]), np.zeros(1))[0])
+@pytest.mark.parametrize("rise", [0.1, -0.1])
+@given(wanted=st.floats(1.0, 3.4))
+def test_all_of_a_sole_has_even_ground(rise: float, wanted: float) -> None:
+    """Of a tread that is longer than the sole; the sole still reaches where the walk wanted to bear, or nearly so."""
+    stairs = parse_terrain(f"stairs:{rise},0.3,1.5,5")
+    found = land(MappedGround(stairs), wanted)
+    below = stairs.heights(found.place[0] + np.array([-SOLE.heel, 0.0, SOLE.toe]), np.zeros(3))
+    np.testing.assert_allclose(below, found.height)
+    moved = found.place[0] - wanted
+    assert -SOLE.toe - 0.08 < moved < SOLE.heel + 0.08
+    assert found.highest >= max(found.height, stairs.heights(np.array([wanted - 0.15]), np.zeros(1))[0])
+
+
+def test_a_step_once_chosen_is_kept() -> None:
+    """A foothold that moves on by a little does not jump to the next tread in the middle of the swing."""
+    ground, kept = MappedGround(STAIRS), None
+    places = []
+    for wanted in np.linspace(1.35, 1.5, 30):
+        kept = ground.landing(SOLE, np.array([1.2, 0.1, 0.0]), np.array([wanted, 0.1]), 0.0, kept).place
+        places.append(kept[0])
+    assert max(places) < 1.5
+    assert land(ground, 1.5).place[0] > 1.5
 
 
 @given(st.floats(1.2, 3.0), st.floats(-15.0, 15.0))

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.template.steps import OMEGA, a_step, at, forecast, inputs
 
-from gaitsmith.template.ground import feel_slope, make_ground, plan_landing, share_of_way
+from gaitsmith.template.ground import feel_slope, find_pivot, make_ground, plan_landing, share_of_way, stand_on
 
 slopes = st.floats(-0.3, 0.3)
+SOLE = (0.07, 0.12, 0.03, 0.01)  # m: heel, toe, half width, margin
 
 
 @given(slopes, st.floats(0.0, 0.3))
@@ -55,6 +56,47 @@ def test_what_was_told_is_believed_for_its_ticks_and_no_longer(slope: float, tic
 
 
 def test_a_climb_is_lifted_before_it_goes_ahead() -> None:
-    """Half of the way by αT on level ground and below; none before a climb as high as the lift."""
-    assert [share_of_way(high, 0.1) for high in (-0.1, 0.0, 0.05, 0.1, 0.2)] == [0.5, 0.5, 0.5, 0.0, 0.0]
-    assert share_of_way(0.075, 0.1) == pytest.approx(0.25)
+    """Half of the way by αT on level ground; none before a climb as high as the lift; more before a drop."""
+    assert [share_of_way(0.0, 0.0, high, 0.1) for high in (-0.1, 0.0, 0.05, 0.1, 0.2)] == [0.5, 0.5, 0.5, 0.0, 0.0]
+    assert share_of_way(0.0, 0.0, 0.075, 0.1) == pytest.approx(0.25)
+    assert share_of_way(0.1, 0.1, 0.1, 0.1) == share_of_way(-0.1, -0.1, -0.1, 0.1) == 0.5
+    assert 0.5 < share_of_way(0.1, 0.05, 0.1, 0.1) < share_of_way(0.1, 0.0, 0.1, 0.1) < 1.0
+
+
+@given(st.floats(-0.3, 0.3), st.floats(-0.05, 0.05), st.booleans())
+def test_a_moved_sole_bears_where_it_would_have_been(ahead: float, aside: float, known: bool) -> None:
+    """As far as it reaches there; the next landing is told from the sole, whose pivot the pendulum stands on."""
+    ground, step = make_ground(), at(a_step(inputs()), 0.0)
+    ground.known[0], ground.shift[:] = int(known), (ahead, aside)
+    stand_on(ground, 0.0, 0.6)
+    find_pivot(ground, step, 0.0, *SOLE)
+    wanted = (min(max(-ahead, -0.06), 0.11), min(max(-aside, -0.02), 0.02)) if known else (0.0, 0.0)
+    np.testing.assert_allclose(ground.pivot, wanted)
+    ground.known[0], out = 0, np.array([0.1, 0.1])
+    plan_landing(ground, at(step, 10.0), forecast(), OMEGA, np.zeros(2), np.zeros(2), out)
+    np.testing.assert_allclose(ground.planned, 0.1 + ground.pivot)
+
+
+@given(slopes, st.floats(-0.3, 0.3))
+def test_a_sole_that_tips_bears_at_its_end(landed: float, turned: float) -> None:
+    """The toe if the heel drops, the heel if the toe drops; a sole that lies still on a slope, at its middle."""
+    ground, step = make_ground(), a_step(inputs())
+    stand_on(ground, 0.0, 0.6)
+    find_pivot(ground, at(step, 0.0), landed, *SOLE)
+    find_pivot(ground, at(step, 0.2 * step.period[0]), landed + turned, *SOLE)
+    assert -0.06 - 1e-12 <= ground.pivot[0] <= 0.11 + 1e-12
+    assert ground.pivot[0] * turned <= 0.0
+    assert (ground.pivot[0] == 0.0) == (abs(turned) <= 0.03) or abs(abs(turned) - 0.03) < 1e-6
+
+
+def test_a_stumble_lifts_the_next_steps() -> None:
+    """By as much as the landing was higher than planned, less with every step; even ground is none."""
+    ground, step = make_ground(), at(a_step(inputs()), 10.0)
+    found = []
+    for climbed in (0.01, 0.06, 0.0, 0.0):
+        stand_on(ground, climbed, 0.6)
+        plan_landing(ground, step, forecast(), OMEGA, np.zeros(2), np.zeros(2), np.zeros(2))
+        found.append(float(ground.highest[0]))
+    assert found[:2] == pytest.approx([0.0, 0.06])
+    assert found[1] > found[2] > found[3] > 0.0
+    assert ground.rise[0] == 0.0

@@ -26,9 +26,13 @@ Array = npt.NDArray[np.float64]
 _EVERY = 5  # ticks between two looks
 _LEVEL = 0.1  # of the sole's length: ground that is no rougher bears all of it
 _FAR = 0.5  # of the leg: a listed foothold farther from where the walk wants to step is none
-_ROOM = 0.15  # of the sole's length, before and behind it that counts too: it may land so much off
-_CLEAR = 1.0  # of a climb, that the sole is lifted higher
+_ROOM = 0.05  # of the sole's length, before and behind it that is to bear too: it may land so much off
+_BESIDE = 0.25  # of the sole's length, before and behind it: no higher ground there, which the foot would touch
+_CLEAR = 0.5, 0.5  # of a climb, and of a drop, that the sole is lifted higher
+_EDGE = 0.1  # of the sole's length, from its ends: between them it bears the walk as well as at its middle
+_MISSED, _TURNED = 4.0, 3.0  # cost of a place that the sole cannot bear, and of another one than before, per m moved
 _COLUMNS = 3  # x, y, z
+_FREE = 0.12  # of the period: so long after its swing began a sole may be sent to any other place
 _LARGEST = 1_000_000  # bytes of a file of footholds
 
 
@@ -49,14 +53,17 @@ class Landing(NamedTuple):
 class Source(Protocol):
     """What knows the ground: a map, a list, a camera's module."""
 
-    def landing(self, sole: Sole, start: Array, wanted: Array, yaw: float) -> Landing | None:
+    def landing(
+        self, sole: Sole, start: Array, wanted: Array, yaw: float, before: Array | None = None
+    ) -> Landing | None:
         """Where the swing sole is to land; None where nothing is known.
 
         Args:
             sole: its shape.
-            start: (3,) where it is now, world, m.
+            start: (3,) where its swing began, world, m.
             wanted: (2,) where the walk would put it, world, m.
             yaw: heading, rad.
+            before: (2,) what was answered last for the same step, world, m; None as long as any other place will do.
         """
 
 
@@ -97,10 +104,10 @@ class HeightMap:
 
 @dataclass(frozen=True)
 class MappedGround:
-    """Lands where the walk would step anyway, at the height of the ground there.
+    """Lands where all of the sole has even ground below it, as near to where the walk would step as there is such.
 
-    A foothold moved onto the middle of a tread costs more balance than a sole on an edge: it is moved by up to half a
-    tread, and the walk answers with its speed.
+    A sole that is moved along itself bears where it would have been (:func:`gaitsmith.template.ground.stand_on`): that
+    costs no balance as far as the sole reaches there.
 
     Attributes:
         ground: its heights.
@@ -108,25 +115,50 @@ class MappedGround:
 
     ground: Heights
 
-    def landing(self, sole: Sole, start: Array, wanted: Array, yaw: float) -> Landing | None:
+    def landing(
+        self, sole: Sole, start: Array, wanted: Array, yaw: float, before: Array | None = None
+    ) -> Landing | None:
         """The ground below the sole: a line along it where it is even, else what the sole meets first."""
-        length = sole.heel + sole.toe
         ahead = np.array([math.cos(yaw), math.sin(yaw)])
-        aside = np.array([-ahead[1], ahead[0]])
-        along = np.linspace(-sole.heel - _ROOM * length, sole.toe + _ROOM * length, 7)
-        sides = (0.0,) if sole.half_width == 0.0 else (-sole.half_width, sole.half_width)
-        below = wanted + np.array([x * ahead + y * aside for y in sides for x in along])
-        way = start[:2] + np.linspace(0.0, 1.0, 9)[:, None] * (wanted - start[:2])
-        found = self.ground.heights(*np.concatenate([below, way]).T)
-        if np.isnan(found).any():
+        found = self._below(sole, wanted[None], ahead)
+        if found is None:
             return None
-        under, between = found[: len(below)], found[len(below) :]
-        places = np.tile(along, len(sides))
-        slope, level = np.polyfit(places, under, 1)
-        rough = np.ptp(under - slope * places)
-        height = float(level if rough <= _LEVEL * length else under.max())
-        highest = max(float(between.max()), height)
-        return Landing(wanted, height, highest + _CLEAR * max(height - float(between.min()), 0.0))
+        (height,), (rough,) = found
+        place, length = wanted, sole.heel + sole.toe
+        if rough > _LEVEL * length:
+            moved = np.linspace(-1.0, 1.0, 41) * length
+            below = self._below(sole, wanted + moved[:, None] * ahead, ahead)
+            if below is not None and (even := below[1] <= _LEVEL * length).any():
+                bears = np.clip(-moved, _EDGE * length - sole.heel, sole.toe - _EDGE * length)
+                cost = np.abs(moved) + _MISSED * np.abs(moved + bears)
+                if before is not None:
+                    cost += _TURNED * np.abs(moved - (before - wanted) @ ahead)
+                best = int(np.argmin(np.where(even, cost, np.inf)))
+                place, height = wanted + moved[best] * ahead, below[0][best]
+        way = start[:2] + np.linspace(0.0, 1.0, 9)[:, None] * (place - start[:2])
+        between = self.ground.heights(*way.T)
+        if np.isnan(between).any():
+            return None
+        highest = max(float(between.max()), float(height))
+        climb, drop = (max(float(by), 0.0) for by in (height - between.min(), between.max() - height))
+        return Landing(place, float(height), highest + _CLEAR[0] * climb + _CLEAR[1] * drop)
+
+    def _below(self, sole: Sole, places: Array, ahead: Array) -> tuple[Array, Array] | None:
+        """Height of the ground below a sole at (n, 2) places, and how uneven it is, (n,) m; None if unknown."""
+        length, aside = sole.heel + sole.toe, np.array([-ahead[1], ahead[0]])
+        along = np.linspace(-sole.heel - _ROOM * length, sole.toe + _ROOM * length, 7)
+        along = np.array([-sole.heel - _BESIDE * length, *along, sole.toe + _BESIDE * length])
+        sides = (0.0,) if sole.half_width == 0.0 else (-sole.half_width, sole.half_width)
+        parts = np.array([x * ahead + y * aside for y in sides for x in along])
+        under = self.ground.heights(*(places[:, None] + parts).reshape(-1, 2).T).reshape(len(places), -1)
+        if np.isnan(under).any():
+            return None
+        x, bears = np.tile(along, len(sides)), np.tile(np.arange(len(along)) % (len(along) - 1) > 0, len(sides))
+        slope, level = np.polyfit(x[bears], under[:, bears].T, 1)
+        beyond = under - level[:, None] - slope[:, None] * x
+        rough = np.maximum(np.ptp(beyond[:, bears], axis=1), beyond[:, ~bears].max(axis=1))
+        under = under[:, bears]
+        return np.where(rough <= _LEVEL * length, level, under.max(axis=1)), rough
 
 
 @dataclass(frozen=True)
@@ -141,7 +173,9 @@ class FootholdList:
     points: Array
     farthest: float
 
-    def landing(self, sole: Sole, start: Array, wanted: Array, yaw: float) -> Landing | None:
+    def landing(
+        self, sole: Sole, start: Array, wanted: Array, yaw: float, before: Array | None = None
+    ) -> Landing | None:
         """The nearest one, None if it is too far."""
         away = np.linalg.norm(self.points[:, :2] - wanted, axis=1)
         nearest = int(np.argmin(away))
@@ -210,6 +244,8 @@ class Guided:
         self._source, self._controller, self._truth = source, controller, truth
         self._soles = [leg.sole for leg in controller.robot.legs]
         self.told = self.blind = 0
+        self._place: Array | None = None
+        self._swing, self._start = -1, np.zeros(3)
 
     def observe(self, tick: int) -> bool:
         """Look, every few ticks of a walk."""
@@ -221,7 +257,11 @@ class Guided:
         turn = np.array([[c, -s], [s, c]])
         bearing = soles[stance]
         wanted = bearing[:2] + turn @ planned
-        found = self._source.landing(self._soles[swing], soles[swing], wanted, yaw)
+        if swing != self._swing:
+            self._swing, self._start, self._place = swing, soles[swing].copy(), None
+        found = self._source.landing(self._soles[swing], self._start, wanted, yaw, self._place)
+        free = self._controller.telemetry.step_time[0] < _FREE * self._controller.gait.period
+        self._place = None if found is None or free else found.place
         if found is None:
             self.blind += 1
             return False

@@ -82,9 +82,10 @@ class Terrain:
         if self.kind == "cross":
             return np.where(x > SLOPE_START, y * math.tan(math.radians(self.amount)), 0.0)
         if self.kind == "boxes":
-            field = _field(self.amount, self.seed)
-            cells = zip(np.rint(x / BOX_PITCH), np.rint(y / BOX_PITCH), strict=True)
-            return np.array([_box_height(field, int(i), int(j)) for i, j in cells])
+            i, j = (np.rint(places / BOX_PITCH).astype(np.int64) for places in (x, y))
+            level = (np.hypot(i, j) * BOX_PITCH <= FLAT_RADIUS) | (np.maximum(abs(i), abs(j)) > _FIELD)
+            cells = (np.clip(index, -_FIELD, _FIELD) + _FIELD for index in (i, j))
+            return np.asarray(np.where(level, 0.0, _field(self.amount, self.seed)[tuple(cells)]))
         if self.kind == "stairs":
             number = np.clip(np.floor((x - self.edge) / self.tread) + 1, 0, self.count)
             return np.asarray(self.amount * number + max(-self.amount * self.count, 0.0))

@@ -17,6 +17,10 @@ from gaitsmith.template.step import StepState
 _FLATTENED = 0.3  # of the period: a sole that has landed lies on the ground
 _LEARNT = 0.5  # of a new slope, each step
 _STEEPEST = 0.4  # rad
+_SETTLED = 0.1  # of the period: a sole that turns later tips over an edge
+_EVEN, _FORGOTTEN = 0.02, 0.3  # of z: a landing so much higher than planned is none on even ground; each step
+_AHEAD = 0.25  # of the way: how much farther than half of it a sole has gone at αT before a drop as deep as the lift
+_STILL, _TIPPED = 0.03, 0.1  # rad: by how much a sole on good ground turns, and by how much more to bear at its end
 
 
 class Ground(NamedTuple):
@@ -31,6 +35,11 @@ class Ground(NamedTuple):
         highest: (1,) greatest height of the ground on the way there, m.
         pitch: (1,) slope of the ground as the soles have lain on it, downhill positive, rad.
         flattest: (1,) pitch of the stance sole where it was nearest to level in this step, rad.
+        start: (1,) height of the ground that the swing sole has left, m.
+        stumble: (1,) how much higher than planned the soles have landed of late, m.
+        settled: (1,) pitch of the stance sole once it had landed, rad.
+        moved: (2,) where the stance sole would have landed without being moved, from its origin, m.
+        pivot: (2,) where the pendulum stands, from the stance sole's origin, m.
     """
 
     known: IntVector
@@ -40,12 +49,66 @@ class Ground(NamedTuple):
     highest: Vector
     pitch: Vector
     flattest: Vector
+    start: Vector
+    stumble: Vector
+    settled: Vector
+    moved: Vector
+    pivot: Vector
 
 
 def make_ground() -> Ground:
     """Nothing known."""
-    one = [np.zeros(1) for _ in range(4)]
-    return Ground(np.zeros(1, dtype=np.int64), np.zeros(2), np.zeros(2), *one)
+    pairs = dict.fromkeys(("planned", "shift", "moved", "pivot"), 2)
+    numbers = {name: np.zeros(pairs.get(name, 1)) for name in Ground._fields if name != "known"}
+    return Ground(known=np.zeros(1, dtype=np.int64), **numbers)
+
+
+@kernel
+def stand_on(ground: Ground, climbed: float, height: float) -> None:
+    """A sole has landed: it bears where it would have been, had it not been moved onto better ground.
+
+    So the pendulum, and with it the balance, does not feel that it was. Whoever has stumbled lifts the feet higher for
+    a few steps, by as much as the landing was too high.
+
+    Args:
+        ground: where it landed is still what was planned.
+        climbed: height of the landed sole above the one that bore the step, m.
+        height: of the CoM above the soles, m.
+    """
+    ground.start[0] = -climbed
+    ground.stumble[0] *= 1.0 - _FORGOTTEN
+    higher = climbed - ground.rise[0]
+    if higher > _EVEN * height:
+        ground.stumble[0] = max(ground.stumble[0], higher)
+    for axis in range(2):
+        ground.moved[axis] = -ground.shift[axis] if ground.known[0] > 0 else 0.0
+        ground.pivot[axis] = 0.0
+
+
+@kernel
+def find_pivot(
+    ground: Ground, step: StepState, sole_pitch: float, heel: float, toe: float, half_width: float, margin: float
+) -> None:
+    """Where the pendulum stands on the stance sole: where the sole was wanted, or where a sole that tips bears.
+
+    A sole whose heel drops lies on an edge below its toe; one whose toe drops on an edge below its heel.
+
+    Args:
+        ground: its ``pivot`` is found.
+        step: the step being taken.
+        sole_pitch: of the stance sole, toe down positive, rad.
+        heel: length of the sole behind its origin, m.
+        toe: ahead of it, m.
+        half_width: beside it, m.
+        margin: to its edges, m.
+    """
+    if step.time[0] < _SETTLED * step.period[0]:
+        ground.settled[0] = sole_pitch
+    turned = sole_pitch - ground.settled[0]
+    tipped = (turned - clip(turned, _STILL)) / _TIPPED
+    forward = ground.moved[0] - 0.5 * (heel + toe) * tipped
+    ground.pivot[0] = min(max(forward, min(margin - heel, 0.0)), max(toe - margin, 0.0))
+    ground.pivot[1] = clip(ground.moved[1], max(half_width - margin, 0.0))
 
 
 @kernel
@@ -69,9 +132,20 @@ def feel_slope(ground: Ground, step: StepState, sole_pitch: float) -> None:
 
 
 @kernel
-def share_of_way(highest: float, lift: float) -> float:
-    """Share of the way ahead that a swing sole has gone at αT: one half, none before a climb as high as the lift."""
-    return 0.5 * (1.0 - min(max(2.0 * highest - lift, 0.0) / max(lift, 1e-6), 1.0))
+def share_of_way(start: float, rise: float, highest: float, lift: float) -> float:
+    """Share of the way ahead that a swing sole has gone at αT: one half on level ground.
+
+    None before a climb as high as the lift: first up. More before a drop: the heel is past the edge before it sinks.
+
+    Args:
+        start: height at which the swing began, m.
+        rise: at which it ends, m.
+        highest: of the ground on the way, m.
+        lift: over it, m.
+    """
+    up = min(max(2.0 * (highest - start) - lift, 0.0) / max(lift, 1e-6), 1.0)
+    down = min(max(start - rise, 0.0) / max(lift, 1e-6), 1.0)
+    return 0.5 * (1.0 - up) + _AHEAD * down
 
 
 @kernel
@@ -90,16 +164,18 @@ def plan_landing(
         velocity: (2,) of the CoM, m/s.
         com_offset: (2,) CoM relative to the hip midpoint, m.
         out: (2,) foothold relative to the hip midpoint, m; shifted as told.
+
+    What is ``planned`` is relative to the stance sole, the pendulum to its pivot.
     """
     remaining = omega * max(expected_duration(step) - step.time[0], 0.0)
     carry, grow = math.cosh(remaining), math.sinh(remaining) / omega
     for axis in range(2):
         hips = carry * forecast.arm[axis] + grow * velocity[axis] - com_offset[axis]
-        ground.planned[axis] = hips + out[axis]
+        ground.planned[axis] = ground.pivot[axis] + hips + out[axis]
     if ground.known[0] > 0:
         ground.known[0] -= 1
         for axis in range(2):
             out[axis] += ground.shift[axis]
     else:
         ground.rise[0] = -math.tan(ground.pitch[0]) * ground.planned[0]
-        ground.highest[0] = max(ground.rise[0], 0.0)
+        ground.highest[0] = max(ground.rise[0], 0.0) + ground.stumble[0]

@@ -7,6 +7,7 @@ import math
 from gaitsmith.compiled import kernel
 from gaitsmith.template.balance import divergent_reference
 from gaitsmith.template.foothold import pendulum_frequency
+from gaitsmith.template.ground import stand_on
 from gaitsmith.template.state import Template
 from gaitsmith.template.step import SHIFT, STAND, WALK
 from gaitsmith.template.switching import SETTLING_STEPS, begin_step, latch, switch_legs
@@ -19,10 +20,13 @@ _SHIFTED = 0.15  # of the half width: how near ξ must come to what the first st
 
 @kernel
 def com_over_sole(g: Template, leg: int) -> float:
-    """CoM relative to a sole, heading frame, into the forecast's arm; returns ω of the pendulum over that sole, 1/s."""
+    """CoM relative to a sole's pivot, heading frame, into the forecast's arm; returns ω of the pendulum there, 1/s."""
     frames, com, arm = g.body.frames, g.body.state.com, g.forecast.arm
     place = frames.sole_position[leg]
     to_heading(frames, com[0] - place[0], com[1] - place[1], arm)
+    if g.step.mode[0] == WALK:
+        arm[0] -= g.ground.pivot[0]
+        arm[1] -= g.ground.pivot[1]
     arm[2] = com[2] - place[2]
     return pendulum_frequency(g.foothold, arm[2])
 
@@ -49,6 +53,9 @@ def _leave_rest(g: Template) -> None:
         desired[0, axis] = frames.relative_position[stance, axis]
         desired[1, axis] = 0.0
         desired[2, axis] = 0.0
+    for axis in range(2):
+        g.ground.moved[axis] = g.ground.pivot[axis] = 0.0
+    g.ground.stumble[0] = g.ground.start[0] = 0.0
     step.station_kept[0] = 0
     if g.requested.speed[0] == 0.0 and g.requested.speed[1] == 0.0:
         step.station_kept[0] = 1
@@ -162,6 +169,8 @@ def advance_phase(g: Template, dt: float) -> bool:
     if event == FORCED:
         step.forced[0] += 1
     switch_legs(step, g.requested, g.latched, g.speed, swing, step.foot_desired[swing], frames)
+    climbed = frames.sole_position[swing, 2] - frames.sole_position[g.body.legs.other[swing], 2]
+    stand_on(g.ground, climbed, g.forecast.arm[2])
     if step.walk_requested[0] == 0 and event != FORCED and _may_rest(g):
         step.mode[0] = STAND
         step.count[0] -= 1

@@ -15,7 +15,7 @@ from gaitsmith.template.foothold import (
     observe_motion,
     pendulum_frequency,
 )
-from gaitsmith.template.ground import feel_slope, plan_landing, share_of_way
+from gaitsmith.template.ground import feel_slope, find_pivot, plan_landing, share_of_way
 from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.state import Template
 from gaitsmith.template.step import WALK
@@ -39,8 +39,10 @@ def plan_step(g: Template, dt: float) -> None:
         support[1, axis] = frames.relative_velocity[stance, axis]
         support[2, axis] = 0.0
     observe_motion(step, frames.com_velocity, com)
+    legs, pitch = g.body.legs, frames.sole_pitch[stance]
+    find_pivot(ground, step, pitch, legs.heel[stance], legs.toe[stance], legs.half_width[stance], g.cop.margin)
     omega = com_over_sole(g, stance)
-    feel_slope(ground, step, frames.sole_pitch[stance])
+    feel_slope(ground, step, pitch)
     to_heading(frames, com[0] - step.station[0], com[1] - step.station[1], forecast.drift)
     x, y, jacobian = state.com_bias[0], state.com_bias[1], state.com_jacobian
     for k in range(g.acceleration.shape[0]):
@@ -59,7 +61,7 @@ def plan_step(g: Template, dt: float) -> None:
     height = landing_height(latched, g.foothold, step.foothold, side, max(-rise, 0.0))
     support_foot(step, latched, g.printed, height, -side, curve, support)
     target, descent = step.foot_desired[swing], g.touchdown.descent_speed
-    share = share_of_way(highest, latched.lift[0])
+    share = share_of_way(ground.start[0], rise, highest, latched.lift[0])
     swing_foot(
         step, latched, step.foothold, rise - height, highest - height, share, g.printed, side, descent, curve, target
     )
@@ -190,6 +192,8 @@ def refer_walking(g: Template) -> None:
     arm, divergent, side = g.forecast.arm, g.balance.divergent, legs.side[swing]
     divergent_reference(step, latched, g.foothold, arm[2], side, step.time[0], divergent)
     stance_cop(g.cop, pendulum_frequency(g.foothold, arm[2]), arm, frames.com_velocity, divergent, cop)
+    for axis in range(2):
+        cop[axis] += g.ground.pivot[axis]
     c, s = math.cos(frames.sole_yaw[stance]), math.sin(frames.sole_yaw[stance])
     x, y = c * cop[0] + s * cop[1], c * cop[1] - s * cop[0]
     for k in range(legs.edges[stance]):
