@@ -40,7 +40,8 @@ def _coefficient(document: Document, rng: Random) -> str:
 
 
 def _number(entry: Document, key: str, rng: Random) -> None:
-    entry[key] = entry[key] + _amount(rng, 1e-3 * (1.0 + abs(entry[key])))
+    known = entry.get(key, 0.0)
+    entry[key] = known + _amount(rng, 1e-3 * (1.0 + abs(known)))
 
 
 def _certificate(document: Document, rng: Random) -> str:
@@ -81,11 +82,13 @@ def _elsewhere(document: Document, time: float) -> list[Document]:
 
 def _whole(document: Document, rng: Random) -> str:
     certificate = document["certificate"]
-    key = str(rng.choice(("objective", "wrench_weight", "dense_points", "claims")))
+    key = str(rng.choice(("objective", "wrench_weight", "effort_weights", "dense_points", "claims")))
     if key == "dense_points":
         certificate[key] += int(rng.choice((-7, -1, 1, 50)))
     elif key == "claims":
         certificate[key] = certificate[key][::-1]
+    elif key == "effort_weights":
+        certificate[key][str(rng.choice(document["joints"]))] = 1.0 + abs(_amount(rng, 1e-3))
     else:
         certificate[key] *= 1.0 + abs(_amount(rng, 1e-3))
     return f"certificate: {key}"
@@ -110,6 +113,10 @@ def _condition(document: Document, rng: Random) -> str:
         return "condition elsewhere"
     if item["kind"] == "value":
         _number(item, "value", rng)
+    elif item["kind"] == "unloaded":
+        item["border"] -= 1
+    elif item["kind"] == "same" and rng.random() < 0.5:
+        item["mirrored"] = not item["mirrored"]
     elif item["kind"] == "same":
         item["other"] = (item["other"] + 1) % (len(document["phases"]) + 1)
     else:
@@ -121,7 +128,18 @@ def _condition(document: Document, rng: Random) -> str:
 
 def _phase(document: Document, rng: Random) -> str:
     phase = document["phases"][rng.integers(len(document["phases"]))]
-    key = str(rng.choice(("duration", "support", "contact", "foothold", "other_foothold", "limits", "name")))
+    keys = (
+        "duration",
+        "support",
+        "contact",
+        "foothold",
+        "other_foothold",
+        "heading",
+        "other_heading",
+        "limits",
+        "name",
+    )
+    key = str(rng.choice(keys))
     if key == "duration":
         phase[key] *= 1.0 + _amount(rng, 1e-4)
     elif key == "support":
@@ -133,6 +151,8 @@ def _phase(document: Document, rng: Random) -> str:
             phase[key] = [0.1, 0.1]
         else:
             phase[key][rng.integers(2)] += _amount(rng, 1e-4)
+    elif key in ("heading", "other_heading"):
+        phase[key] += _amount(rng, 1e-4)
     elif key == "limits":
         phase[key] = [{"quantity": "hip_height", "low": 0.0, "high": 9.0}]
     else:
@@ -149,7 +169,7 @@ def _head(document: Document, rng: Random) -> str:
     elif key == "robot_hash":
         document[key] = document[key][::-1]
     elif key == "parameters":
-        _number(document[key], str(rng.choice(list(document[key]))), rng)
+        _number(document[key], str(rng.choice(sorted(document[key].keys() | {"length"}))), rng)
     elif key == "joints":
         document[key] = document[key][1:] + document[key][:1]
     else:
