@@ -9,6 +9,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
 
 
 class Caller:
@@ -25,8 +26,8 @@ class Caller:
         self._buffer, self._call = function.buffer()
         self._arguments: list[Any] = [np.zeros(function.nnz_in(k)) for k in range(function.n_in())]
         self.results: list[Any] = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
-        patterns = [function.sparsity_out(k) for k in range(function.n_out())]
-        self._patterns = [(np.array(p.row()), np.array(p.colind()), (p.size1(), p.size2())) for p in patterns]
+        self._function = function
+        self._patterns: dict[int, tuple[Indices, Indices, tuple[int, int]]] = {}  # made when asked for: they are long
         for k, array in enumerate(self._arguments):
             self._buffer.set_arg(k, memoryview(array))
         for k, array in enumerate(self.results):
@@ -41,5 +42,9 @@ class Caller:
 
     def matrix(self, output: int) -> sp.csc_matrix:
         """An output of the last call as a sparse matrix that shares its memory."""
+        if output not in self._patterns:
+            pattern = self._function.sparsity_out(output)
+            shape = pattern.size1(), pattern.size2()
+            self._patterns[output] = np.array(pattern.row()), np.array(pattern.colind()), shape
         row, colind, shape = self._patterns[output]
         return sp.csc_matrix((self.results[output], row, colind), shape=shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -74,6 +74,10 @@ class PointFunctions:
             if count:
                 found.append(side[KINDS.index(kind)].map(count).call([a[:, first : first + count] for a in arguments]))
         return [ca.horzcat(*outputs) for outputs in zip(*found, strict=True)]
+
+    def called(self, kind: str, count: int, side: int, arguments: Sequence[Array]) -> list[Array]:
+        """Nonzeros of a function's outputs at many points of one side, overwritten by the next call."""
+        return self._caller(kind, count, side)(*arguments)
 
     def _caller(self, kind: str, count: int, side: int) -> Caller:
         """The function mapped over a number of points, kept for the next time."""

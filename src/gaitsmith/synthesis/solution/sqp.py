@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.synthesis.point.caller import Caller
-from gaitsmith.synthesis.program.assembly import Assembly
+from gaitsmith.synthesis.program.derivatives import Derivatives
 from gaitsmith.synthesis.program.program import Program
 from gaitsmith.synthesis.solution.active_set import ActiveStep, active_set_step
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, progress_of
@@ -45,28 +44,24 @@ def solve_sqp(
         A solution whose ``solved`` is False when the start was too far away; the caller then solves it cold.
     """
     begin = time.perf_counter()
-    assembly = Assembly(program)
-    first_order, curvature = Caller(assembly.first_order), Caller(assembly.curvature)
+    derivatives = Derivatives(program)
     ready = time.perf_counter()
     x, lam = start.copy(), multipliers.copy()
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
     for iteration in range(max_iterations + 1):
-        gradient, rows, _ = first_order(x)
-        jacobian = first_order.matrix(2).tocsr()
+        gradient, rows, jacobian = derivatives.first_order(x)
         violation = float(program.violation(rows).max(initial=0.0))
-        z, o = program.evaluate(x)
+        z, o = derivatives.evaluate(x)
         objective, cost = program.objective(z, o), program.cost(z, o) * program.scale
         if report is not None:
             report(progress_of(program, iteration, objective, rows))
         bounds = program.low - rows, program.high - rows
         found = None
         if iteration or not new_bounds:
-            curvature(x, 1.0, lam, _PROXIMAL)
-            H = curvature.matrix(0)
+            H = derivatives.curvature(x, 1.0, lam, _PROXIMAL)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            curvature(x, 0.0, 0.0, _PROXIMAL)
-            H = curvature.matrix(0)
+            H = derivatives.curvature(x, 0.0, 0.0, _PROXIMAL)
             found = active_set_step(H, gradient, jacobian, *bounds, lam)
         if found is None:
             status = "Quadratic_Program_Failed"
