@@ -66,9 +66,14 @@ class Rows:
         inp: Form | None = None,
     ) -> None:
         """Append a row: factors by index of vec(O), of x, and of vec(Z)."""
-        row = len(self.low)
+        self._append(label, low, high)
+        row = len(self.low) - 1
         for entries, form in zip(self._entries, (out, lin, inp), strict=True):
-            entries += [(row, index, value) for index, value in (form or {}).items() if value]
+            if form:
+                entries += [(row, index, value) for index, value in form.items() if value]
+
+    def _append(self, label: Label, low: float, high: float) -> None:
+        """A row without entries."""
         self.low.append(low)
         self.high.append(high)
         self.labels.append(label)
@@ -87,9 +92,12 @@ class Rows:
         low, high = low + tighten, high - tighten
         if low > high:
             low = high = 0.5 * (low + high)
-        out = {point * self.layout.outputs + index: value / bound.span for index, value in bound.out.items()}
-        inp = {point * self.layout.inputs + index: value / bound.span for index, value in bound.inp.items()}
-        self.add(label, low, high, out, inp=inp)
+        self._append(label, low, high)
+        row, span = len(self.low) - 1, bound.span
+        sides = (bound.out, point * self.layout.outputs, 0), (bound.inp, point * self.layout.inputs, 2)
+        for form, first, which in sides:
+            if form:
+                self._entries[which].extend([(row, first + k, value / span) for k, value in form.items() if value])
 
     def matrices(self, inputs: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """C (rows, outputs * K) and D (rows, size), with the map from x to vec(Z) (inputs * K, size)."""

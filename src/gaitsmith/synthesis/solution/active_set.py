@@ -36,6 +36,7 @@ class ActiveStep:
         multipliers: (rows,) of equalities and bounds; positive at an upper bound.
         held: (k,) rows that hold with equality; doubtful ones to about 1e-6.
         H, jacobian: of the program.
+        factor: of the optimality conditions with the held rows, where the last one is that.
     """
 
     step: Array
@@ -43,10 +44,11 @@ class ActiveStep:
     held: Indices
     H: sp.spmatrix
     jacobian: sp.csr_matrix
+    factor: KktFactor | None
 
     def conditions(self) -> KktFactor:
         """The optimality conditions with the held rows, factorised."""
-        return KktFactor(self.H, self.jacobian[self.held])
+        return self.factor or KktFactor(self.H, self.jacobian[self.held])
 
 
 class KktFactor:
@@ -61,9 +63,21 @@ class KktFactor:
     """
 
     def __init__(self, H: sp.spmatrix, rows: sp.csr_matrix) -> None:
-        soft = -_SOFT * sp.eye_array(rows.shape[0])
-        self.size = H.shape[0]
-        self._matrix = sp.bmat([[H, rows.T], [rows, soft]], format="csc")
+        self.size, count = H.shape[0], rows.shape[0]
+        left = sp.vstack([sp.csr_matrix(H), rows], format="csr").tocsc()
+        right = sp.csc_matrix((rows.data, rows.indices, rows.indptr), shape=rows.shape[::-1])  # their transpose
+        ends = right.indptr[1:]
+        data = np.insert(right.data, ends, -_SOFT)
+        places = np.insert(right.indices, ends, self.size + np.arange(count))
+        starts = left.indptr[-1] + right.indptr + np.arange(count + 1)
+        self._matrix = sp.csc_matrix(
+            (
+                np.concatenate([left.data, data]),
+                np.concatenate([left.indices, places]),
+                np.concatenate([left.indptr, starts[1:]]),
+            ),
+            shape=(self.size + count, self.size + count),
+        )
         self._factors: Any = sl.splu(self._matrix)
 
     def solve(self, right: Array) -> Array:
@@ -131,7 +145,8 @@ def active_set_step(
             lam[doubt[met]] = (turn * weights)[met]
             side[doubt[met]] = turn[met]
             held = np.flatnonzero(equal | (side != 0))
-            return ActiveStep(found[:n], lam, held, H, jacobian) if np.isfinite(found).all() else None
+            same = None if np.any(met) else conditions
+            return ActiveStep(found[:n], lam, held, H, jacobian, same) if np.isfinite(found).all() else None
         doubt, turn = np.concatenate([doubt, wrong]), np.concatenate([turn, side[wrong].astype(np.float64)])
         side[wrong] = 0
     return None
