@@ -9,6 +9,7 @@ from gaitsmith.synthesis.motions.biped import standing
 from gaitsmith.synthesis.motions.catalogue import cyclic, kick
 from gaitsmith.synthesis.point.caller import Caller
 from gaitsmith.synthesis.program.assembly import Assembly
+from gaitsmith.synthesis.program.derivatives import Derivatives
 from gaitsmith.synthesis.program.program import make_program
 from gaitsmith.synthesis.program.transcription import Transcription
 
@@ -36,23 +37,32 @@ def _symmetric(call, *arguments):
 
 def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(program):
     rng = np.random.default_rng(4)
-    assembly = Assembly(program)
-    first_order, multipliers = Caller(assembly.first_order), rng.normal(size=program.rows)
+    assembly, derivatives, multipliers = Assembly(program), Derivatives(program), rng.normal(size=program.rows)
     x, direction = 0.1 * rng.normal(size=program.size), rng.normal(size=program.size)
 
     def gradient(at):
-        first_order(at)
-        return first_order.results[0] + first_order.matrix(2).T @ multipliers
+        slope, _, jacobian = derivatives.first_order(at)
+        return slope + jacobian.T @ multipliers
 
     slope = (gradient(x + STEP * direction) - gradient(x - STEP * direction)) / (2.0 * STEP)
-    found = _symmetric(Caller(assembly.hessian), x, np.zeros(0), 1.0, multipliers) @ direction
-    assert np.abs(found - slope).max() < SLOPE * np.abs(slope).max()
+    found = _symmetric(Caller(assembly.hessian), x, np.zeros(0), 1.0, multipliers)
+    assert np.abs(found @ direction - slope).max() < SLOPE * np.abs(slope).max()
+    whole = derivatives.curvature(x, 1.0, multipliers, 0.0).toarray()
+    assert np.abs(whole - found).max() < ROUNDING * np.abs(found).max()
+
+
+def test_both_ways_to_the_first_derivatives_say_the_same(program):
+    x = 0.1 * np.random.default_rng(5).normal(size=program.size)
+    assembly, (slope, rows, jacobian) = Assembly(program), Derivatives(program).first_order(x)
+    gradient, slopes = Caller(assembly.gradient), Caller(assembly.jacobian)
+    gradient(x, np.zeros(0))
+    slopes(x, np.zeros(0))
+    pairs = [(slope, gradient.results[1]), (rows, slopes.results[0]), (jacobian.toarray(), slopes.matrix(1).toarray())]
+    assert all(np.abs(a - b).max() < ROUNDING * np.abs(b).max() for a, b in pairs)
 
 
 def test_the_convex_hessian_is_never_negative(program):
     x = 0.1 * np.random.default_rng(4).normal(size=program.size)
-    curvature = Caller(Assembly(program).curvature)
-    curvature(x, 0.0, 0.0, 0.0)
-    values = np.linalg.eigvalsh(curvature.matrix(0).toarray())
+    values = np.linalg.eigvalsh(Derivatives(program).curvature(x, 0.0, 0.0, 0.0).toarray())
     assert values.max() > 0.0
     assert values.min() > -ROUNDING * values.max()

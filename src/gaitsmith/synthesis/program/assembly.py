@@ -89,34 +89,16 @@ class Assembly:
         return ca.Function("nlp_jac_g", [self.x, self.p], [rows, ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D])
 
     @cached_property
-    def first_order(self) -> Any:
-        """X -> gradient of the objective, rows, Jacobian of the rows."""
-        o, J = self._jacobians()
-        rows = ca.mtimes(self._C, ca.vec(o)) + ca.mtimes(self._D, self.x)
-        jacobian = ca.mtimes(ca.mtimes(self._C, J), self._B) + self._D
-        return ca.Function("first_order", [self.x], [self._slope(o, J), rows, jacobian])
-
-    @cached_property
     def hessian(self) -> Any:
         """(x, p, factor of the objective, multipliers) -> upper triangle of the Lagrangian's Hessian."""
         factor, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", self.program.rows)
-        found = ca.triu(self._lagrangian(factor, factor, multipliers))
+        found = ca.triu(self._lagrangian(factor, multipliers))
         return ca.Function("nlp_hess_l", [self.x, self.p, factor, multipliers], [found])
 
-    @cached_property
-    def curvature(self) -> Any:
-        """(x, share, multipliers, ridge) -> the whole Hessian with a share of the torques' curvature, and a ridge.
-
-        Without both, the share and the multipliers, it is never negative.
-        """
-        share, multipliers, ridge = ca.MX.sym("share"), ca.MX.sym("lam_g", self.program.rows), ca.MX.sym("ridge")
-        found = self._lagrangian(ca.MX(1.0), share, multipliers) + ridge * ca.MX.eye(self.program.size)
-        return ca.Function("curvature", [self.x, share, multipliers, ridge], [found])
-
-    def _lagrangian(self, factor: Any, curved: Any, multipliers: Any) -> Any:
+    def _lagrangian(self, factor: Any, multipliers: Any) -> Any:
         layout = self.program.functions.layout
         on_outputs = ca.reshape(ca.mtimes(self._C.T, multipliers), layout.outputs, self.program.points.count)
-        return self._curvature(on_outputs + curved * self._torque_slope(self._o), factor)
+        return self._curvature(on_outputs + factor * self._torque_slope(self._o), factor)
 
     def _curvature(self, on_outputs: Any, factor: Any) -> Any:
         """BᵀHB for multipliers of the outputs (outputs, K) and a factor of the objective."""
