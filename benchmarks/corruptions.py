@@ -31,9 +31,10 @@ def _amount(rng: Random, least: float) -> float:
 
 
 def _coefficient(document: Document, rng: Random) -> str:
-    """Of a joint (rad), a torque (N·m) or a wrench (N, N·m): changes that no rounding explains."""
+    """Of a joint (rad), a torque (N·m), a wrench (N, N·m) or a root (m, rad): changes that no rounding explains."""
     section = rng.choice(rng.choice(document["phases"])["sections"])
-    name, least = [("joints", 1e-4), ("torque", 1e-2), ("wrench", 1e-2)][rng.integers(3)]
+    kinds = [("joints", 1e-4), ("torque", 1e-2), ("wrench", 1e-2), *([("root", 1e-4)] if "root" in section else [])]
+    name, least = kinds[rng.integers(len(kinds))]
     row = section[name][rng.integers(len(section[name]))]
     row[rng.integers(len(row))] += _amount(rng, least)
     return f"coefficient of {name}"
