@@ -14,12 +14,13 @@ from gaitsmith.robots import load_robot
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "library.md").read_text()
 GRID = re.sub(r"speed = \[.*?\]", "speed = [0.2, 0.3]", PAGE.split("```toml\n")[1].split("```")[0], count=1)
+SPEC = tomllib.loads(GRID)
 
 
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
     folder = Folder(tmp_path_factory.mktemp("library") / "whole")
-    built = build(checked_spec(tomllib.loads(GRID)), folder)
+    built = build(checked_spec(SPEC), folder)
     assert built.base == "000-000-000"
     assert all(record.certified for record in built.records.values())
     return folder
