@@ -12,8 +12,7 @@ from scipy.optimize import minimize
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Settings, StepParameters
 from gaitsmith.synthesis.motions.catalogue import cyclic
-from gaitsmith.synthesis.point.caller import Caller
-from gaitsmith.synthesis.program.assembly import Assembly
+from gaitsmith.synthesis.program.derivatives import Derivatives
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.program import make_program
 from gaitsmith.synthesis.program.transcription import Transcription
@@ -36,7 +35,7 @@ def main(limit: float) -> None:
     print(f"{program.size} unknowns, {program.rows} rows, all bounds at all points")
     print(f"IPOPT: {ours.status}, {ours.iterations} iterations, {spent:.2f} s CPU, J = {program.objective(z, o):.2f}")
 
-    call = Caller(Assembly(program).first_order)
+    slopes = Derivatives(program)
     equal = program.high == program.low
     below, above = ~equal & np.isfinite(program.low), ~equal & np.isfinite(program.high)
     last: dict[str, np.ndarray] = {}
@@ -47,8 +46,8 @@ def main(limit: float) -> None:
         if "x" not in last or not np.array_equal(last["x"], x):
             if time.process_time() - begin > limit:
                 raise OutOfTime
-            gradient, rows, _ = call(x)
-            last.update(x=x.copy(), gradient=gradient.copy(), rows=rows.copy(), jacobian=call.matrix(2).toarray())
+            gradient, rows, jacobian = slopes.first_order(x)
+            last.update(x=x.copy(), gradient=gradient, rows=rows, jacobian=jacobian.toarray())
             count += 1
         return last
 
