@@ -89,9 +89,10 @@ def stand_on(ground: Ground, climbed: float, height: float) -> None:
 def find_pivot(
     ground: Ground, step: StepState, sole_pitch: float, heel: float, toe: float, half_width: float, margin: float
 ) -> None:
-    """Where the pendulum stands on the stance sole: where the sole was wanted, or where a sole that tips bears.
+    """Where the pendulum stands on the stance sole: where the sole was wanted, or the toe of one whose heel drops.
 
-    A sole whose heel drops lies on an edge below its toe; one whose toe drops on an edge below its heel.
+    A sole whose heel drops lies on an edge below its toe. One whose toe drops is left as it is: over an edge that leads
+    down the walk goes on, and bearing at the heel would only hasten it.
 
     Args:
         ground: its ``pivot`` is found.
@@ -105,8 +106,7 @@ def find_pivot(
     if step.time[0] < _SETTLED * step.period[0]:
         ground.settled[0] = sole_pitch
     turned = sole_pitch - ground.settled[0]
-    tipped = (turned - clip(turned, _STILL)) / _TIPPED
-    forward = ground.moved[0] - 0.5 * (heel + toe) * tipped
+    forward = ground.moved[0] + 0.5 * (heel + toe) * max(-turned - _STILL, 0.0) / _TIPPED
     ground.pivot[0] = min(max(forward, min(margin - heel, 0.0)), max(toe - margin, 0.0))
     ground.pivot[1] = clip(ground.moved[1], max(half_width - margin, 0.0))
 
