@@ -11,7 +11,7 @@ from gaitsmith.synthesis.program import transcription
 from gaitsmith.synthesis.proof import definitions as verifiers
 from gaitsmith.synthesis.proof import measured
 from gaitsmith.synthesis.solution.bound_check import check_bounds
-from gaitsmith.synthesis.solution.plan import certificate
+from gaitsmith.synthesis.solution.certificate import certificate
 
 SPARSE = 40  # instants a phase
 

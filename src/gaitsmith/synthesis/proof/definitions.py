@@ -203,8 +203,7 @@ def _angle(name: str, sine: Any, most: float, between: tuple[float, float] = (0.
 def sole_edges(biped: Biped, phase: Phase, foot: Side) -> list[tuple[str, float, float, float]]:
     """Edges of the part of a sole that bears in a phase: name, outward normal (x, y), distance from the frame, m.
 
-    Inward is where the other foot is. A foot that turns about an edge bears on that edge alone: it has two ends. So has
-    a line sole that lies flat.
+    Inward is where the other foot is. A foot on an edge bears by two ends, as a flat line sole does.
     """
     if biped.lines:
         sole = biped.sole(foot)

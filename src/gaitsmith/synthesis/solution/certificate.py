@@ -11,6 +11,8 @@ from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import Phase, opposite
 from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
+from gaitsmith.synthesis.program.transcription import Transcription
+from gaitsmith.synthesis.solution.bound_check import BoundCheck
 
 Array = npt.NDArray[np.float64]
 LOADED = 0.01  # of the weight: ratios of a foot's forces are told where it bears at least this
@@ -73,3 +75,11 @@ def mirrored_entry(entry: dict[str, Any], biped: Biped) -> dict[str, Any]:
     if joint in ("left", "right") and what.startswith("foot "):
         return entry | {"constraint": f"{opposite('left' if joint == 'left' else 'right')} {what}"}
     return entry
+
+
+def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[Worst]:
+    """Every constraint's worst value, the worst first."""
+    found: dict[str, Worst] = {}
+    for phase, bounds, item in zip(trans.motion.phases, trans.limits, checks, strict=True):
+        merge(found, phase, bounds, item.times, item.values, item.loads)
+    return ranked(found)

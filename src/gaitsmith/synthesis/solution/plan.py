@@ -32,7 +32,7 @@ from gaitsmith.synthesis.solution.bound_check import (
     with_violated,
     worst_excess,
 )
-from gaitsmith.synthesis.solution.certificate import merge, ranked
+from gaitsmith.synthesis.solution.certificate import certificate, ranked
 from gaitsmith.synthesis.solution.curves_from_solution import finished_pieces, objective_of
 from gaitsmith.synthesis.solution.diagnose import lacking, undecided
 from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
@@ -346,11 +346,3 @@ class Planner:
                 "effort_weights": dict(settings.effort_weights),
             },
         )
-
-
-def certificate(trans: Transcription, checks: list[BoundCheck]) -> list[Worst]:
-    """Every constraint's worst value, the worst first."""
-    found: dict[str, Worst] = {}
-    for phase, bounds, item in zip(trans.motion.phases, trans.limits, checks, strict=True):
-        merge(found, phase, bounds, item.times, item.values, item.loads)
-    return ranked(found)
