@@ -10,7 +10,8 @@ from gaitsmith.cli import main
 
 def test_an_unsolved_gait_is_not_solved(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     failed = SimpleNamespace(gait=None, main=SimpleNamespace(status="not solved", reason="legs too weak"))
-    monkeypatch.setattr("gaitsmith.synthesis.Planner", lambda robot, notify: None)
+    planner = SimpleNamespace(biped=SimpleNamespace(lines=False))
+    monkeypatch.setattr("gaitsmith.synthesis.Planner", lambda robot, notify: planner)
     monkeypatch.setattr("gaitsmith.synthesis.answer", lambda planner, request, report: failed)
     assert main(["plan", "--claims", "--json"]) == 3
     captured = capsys.readouterr()

@@ -1,5 +1,6 @@
 """Every flag means something for what is planned, or is refused by name."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -80,10 +81,11 @@ def test_nothing_given_asks_for_the_defaults(kind: str) -> None:
     friction = KICK_FRICTION if kind == "kick" else Settings().bounds.friction
     assert request.settings.bounds.friction == friction
     assert request.settings.model_copy(update={"bounds": Settings().bounds}) == Settings()
-    stairs = StepParameters(0.2, 1.2, height=0.03, rise=0.05), 2
-    assert (request.step, request.cycles) == (
-        stairs if kind == "stairs" else (StepParameters(0.15, 1.0), Request.cycles)
-    )
+    own = {
+        "stairs": (StepParameters(0.2, 1.2, height=0.03, rise=0.05), 2),
+        "turn": (StepParameters(0.0, 1.0, turn=math.radians(15.0)), 2),  # on the spot; 2 steps between start and stop
+    }
+    assert (request.step, request.cycles) == own.get(kind, (StepParameters(0.15, 1.0), Request.cycles))
 
 
 def test_flags_reach_the_request() -> None:
