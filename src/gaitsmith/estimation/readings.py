@@ -175,7 +175,7 @@ def make_readings(
         before=np.zeros(sum(sizes)),
         first=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
         bound=of(FARTHEST, 2.0, FASTEST, FASTEST, 10.0 * FASTEST, STRONGEST, FASTEST, STRONGEST),
-        gate=of(0.05 * height, 0.03, speed, 0.012 if estimated else 0.02, 20.0 * rate, math.inf, 0.3 * rate, math.inf),
+        gate=of(0.05 * height, 0.03, speed, 0.02, 20.0 * rate, math.inf, 0.3 * rate, math.inf),
         slack=of(0.02 * height, 0.01, 0.05 * speed, 0.01, 0.15 * rate, 0.5, 0.1 * rate, math.inf),
         patience=spread(np.array([patience] * 3 + [own if estimated else patience] + [patience] * 4), groups),
         read=read.astype(np.int64),
