@@ -82,6 +82,10 @@ ZERO = lambda now, held: 0.0 * now  # noqa: E731
         ("true", "left_knee.angle", lambda now, _: now + 0.1, JUMP),
         ("true", "left_knee.rate", lambda now, _: now + 2.0, CONTRADICTION),
         ("estimated", "gyro", lambda now, _: now - 1.0, CONTRADICTION),
+        pytest.param(
+            *("estimated", "gyro", lambda now, _: now + 1.0, CONTRADICTION),
+            marks=pytest.mark.xfail(reason="a sole is blamed too: no force though it has landed", strict=False),
+        ),
         ("estimated", "gyro", HELD, STUCK),
         ("estimated", "accelerometer", ZERO, STUCK),
         ("estimated", "attitude", NAN, MISSING),
