@@ -12,23 +12,21 @@ import numpy as np
 
 from gaitsmith.learning import GaitTemplateEnv, Perceptron, write_policy
 
-TERRAIN = {"speed": (0.3, 0.0), "terrain": "boxes:0.09", "duration": 12.0}
+TERRAIN = {"speed": (0.5, 0.0), "terrain": "boxes:0.09", "duration": 12.0}
 HIDDEN = 2
 HELD_OUT = 10_000  # seeds from here on are for the comparison
 RANGES = {"period": (0.25, 0.45), "lift": (0.06, 0.2), "height": (0.6, 0.72)}
 
 
 def walk(environment: GaitTemplateEnv, policy: Perceptron | None, seed: int) -> tuple[float, bool]:
-    """Return of one episode, and whether it stood; without a policy the card's gait is kept."""
+    """Time that one episode walked, s, and whether it stood; without a policy the card's gait is kept."""
     seen, _ = environment.reset(seed=seed)
     gait = environment.seen.index(f"present.{environment.card.adjusted[0].name}")
-    total = 0.0
     while True:
         action = seen[gait:] if policy is None else policy.act(seen.astype(float))
-        seen, reward, fell, over, _ = environment.step(np.asarray(action, dtype=np.float32))
-        total += reward
+        seen, _, fell, over, info = environment.step(np.asarray(action, dtype=np.float32))
         if fell or over:
-            return total, not fell
+            return info["time"], not fell
 
 
 def train(environment: GaitTemplateEnv, generations: int, population: int, episodes: int) -> Perceptron:
@@ -40,12 +38,12 @@ def train(environment: GaitTemplateEnv, generations: int, population: int, episo
     for generation in range(generations):
         drawn = mean + spread * random.standard_normal((population, size))
         seeds = range(generation * episodes, (generation + 1) * episodes)
-        returns = np.array(
+        walked = np.array(
             [np.mean([walk(environment, Perceptron.of(card, HIDDEN, row), seed)[0] for seed in seeds]) for row in drawn]
         )
-        best = drawn[np.argsort(-returns)[: max(2, population // 4)]]
+        best = drawn[np.argsort(-walked)[: max(2, population // 4)]]
         mean, spread = best.mean(axis=0), np.maximum(0.7 * spread, best.std(axis=0))
-        print(f"generation {generation + 1}: mean return {returns.mean():.2f}, best {returns.max():.2f} s")
+        print(f"generation {generation + 1}: walked {walked.mean():.2f} s on average, the best {walked.max():.2f} s")
     return Perceptron.of(card, HIDDEN, mean)
 
 

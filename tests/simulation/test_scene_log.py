@@ -20,10 +20,12 @@ from gaitsmith import load_robot, read_log
 from gaitsmith.cli import main
 from gaitsmith.log import Log, protobuf
 from gaitsmith.simulation.scene_log import SceneLog, positions
-from gaitsmith.simulation.shapes_log import body_entity
+from gaitsmith.simulation.shapes_log import body_entity, body_points, cloud
 
 ROBOT = load_robot("bhr_b2")
+BODIES = sorted({ROBOT.model.body(int(body)).name for body in ROBOT.model.geom_bodyid})
 TOPICS = {"/tf": "FrameTransforms", "/joint_states": "JointStates", "/robot": "SceneUpdate", "/steps": "SceneUpdate"}
+TOPICS |= {f"/points/{name}": "PointCloud" for name in BODIES}
 
 
 @cache
@@ -180,6 +182,52 @@ def test_a_bare_body_is_a_rod_and_a_fine_mesh_its_hull(tmp_path: Path) -> None:
     assert len(hull.indices) % 3 == 0
     assert max(hull.indices) < len(points)
     assert np.linalg.norm(points, axis=1).max() < 0.2
+
+
+def test_points_move_with_their_bodies(seen: dict[str, list[tuple[int, Any]]]) -> None:
+    for name in BODIES:
+        ((_, points),) = seen[f"/points/{name}"]
+        assert points.frame_id == name, "the transforms' frame: no set-up"
+        assert [(field.name, field.offset, field.type) for field in points.fields] == [
+            ("x", 0, 7),
+            ("y", 4, 7),
+            ("z", 8, 7),
+        ]
+        assert points.pose.orientation.w == 1.0
+        told = np.frombuffer(points.data, "<f4").reshape(-1, points.point_stride // 4)
+        np.testing.assert_allclose(told, body_points(ROBOT, ROBOT.model.body(name).id), atol=1e-6)
+
+
+@pytest.mark.parametrize("shape", ["box", "sphere", "ellipsoid", "cylinder", "capsule"])
+def test_points_lie_on_their_shapes(shape: str) -> None:
+    placed = f'<geom type="{shape}" size="0.1 0.2 0.3" pos="0.3 0.1 0.2" euler="20 40 60"/>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody><body><joint/>{placed}</body></worldbody></mujoco>")
+    robot: Any = SimpleNamespace(model=model)
+    points, turned = body_points(robot, 1), np.zeros(9)
+    mujoco.mju_quat2Mat(turned, model.geom_quat[0])
+    middle = model.geom_pos[0]
+    local = (points - middle) @ turned.reshape(3, 3)
+    if shape == "capsule":  # rays of the engine miss its seams
+        local[:, 2] -= np.clip(local[:, 2], -0.2, 0.2)
+        np.testing.assert_allclose(np.linalg.norm(local, axis=1), 0.1)
+    else:
+        for way in points - middle:
+            start = middle + 3.0 * way
+            meets = mujoco.mju_rayGeom(middle, turned, model.geom_size[0], start, -3.0 * way, model.geom_type[0])
+            assert meets == pytest.approx(2.0 / 3.0, abs=1e-6), "a ray to the middle meets the shape there"
+    assert np.ptp((points - middle) @ turned.reshape(3, 3), axis=0).min() > 0.19, "all around"
+
+
+def test_a_cloud_of_a_bare_body_is_its_rod() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><body><joint/><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>
+        <body pos="0 0 -0.4"><joint/><geom size="0.1"/></body></body></worldbody></mujoco>"""
+    )
+    robot: Any = SimpleNamespace(model=model, card=SimpleNamespace(gait=SimpleNamespace(height=0.7)))
+    points = body_points(robot, 1)
+    assert np.ptp(points, axis=0).tolist() == [0.0, 0.0, pytest.approx(0.4)]
+    form = protobuf.filled(cloud("bare", points), np.zeros((1, 0)), np.zeros(1, np.uint64)).tobytes()
+    assert decoder("PointCloud").FromString(form).frame_id == "bare"
 
 
 def test_a_robot_without_a_readable_model_has_no_attachment(tmp_path: Path) -> None:

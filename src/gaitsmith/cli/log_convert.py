@@ -22,7 +22,7 @@ class ConvertArguments(Arguments):
     """Write a run's log for other programs. Tables (csv, parquet, npz) hold every row and column.
 
     ros2bag holds joint states, the torso's transform and every column. parquet and ros2bag need
-    pip install 'gaitsmith[logs]'. Foxglove (robot, forces, footholds) and Rerun (frames,
+    pip install 'gaitsmith[logs]'. Foxglove (robot, forces, footholds) and Rerun (points on its bodies, frames,
     values) open the log itself.
     """
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Stamps = npt.NDArray[np.uint64]
 Bytes = npt.NDArray[np.uint8]
-_VARINT, _DOUBLE, _BYTES = 0, 1, 2  # wire types
+_VARINT, _DOUBLE, _BYTES, _FIXED = 0, 1, 2, 5  # wire types
 _DIGITS = 5  # bytes of a padded number: 35 bits
 _SECOND = 10**9  # ns
 
@@ -61,7 +61,17 @@ def raw(field: int, content: bytes) -> Form:
 
 def flag(field: int) -> Form:
     """A field that is true."""
-    return Form(_varint(field << 3 | _VARINT) + b"\x01")
+    return count(field, 1)
+
+
+def count(field: int, value: int) -> Form:
+    """A whole number, zero or more, or an enumeration's, as field."""
+    return Form(_varint(field << 3 | _VARINT) + _varint(value))
+
+
+def fixed(field: int, value: int) -> Form:
+    """A whole number of 32 bits as field."""
+    return Form(_varint(field << 3 | _FIXED) + value.to_bytes(4, "little"))
 
 
 def number(field: int, value: float) -> Form:

@@ -1,8 +1,9 @@
-"""What Foxglove draws of a run, in its own schemas: the robot moves there without any set-up; in Rerun, its frames.
+"""What Foxglove and Rerun draw of a run, in Foxglove's own schemas: the robot moves there without any set-up.
 
 Topics: ``/tf`` (every body in the world), ``/joint_states``, ``/robot`` (its shapes, fixed to the bodies' frames, and
-the blocks of the ground), ``/steps`` (forces under the soles as arrows, and where the swing sole is told to land) and
-``/tick_times``. The robot's model is attached. Commands, counters and everything else are columns of the rows.
+the blocks of the ground), ``/steps`` (forces under the soles as arrows, and where the swing sole is told to land),
+``/tick_times``, and ``/points/BODY`` (points on the body's shapes, fixed to its frame: Rerun draws no scenes, but
+points and frames). The robot's model is attached. Commands, counters and everything else are columns of the rows.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from gaitsmith.log import protobuf as pb
 from gaitsmith.log.mcap_writer import Messages, Topic
 from gaitsmith.log.protobuf import Form
 from gaitsmith.robots import Robot
-from gaitsmith.simulation.shapes_log import body_entity, cube, entity, ground_entity
+from gaitsmith.simulation.shapes_log import body_entity, body_points, cloud, cube, entity, ground_entity
 from gaitsmith.simulation.summary import TickTimes
 from gaitsmith.simulation.terrain import Block
 
@@ -87,6 +88,9 @@ class SceneLog:
         names = ("/tf", "/joint_states", "/robot", "/steps")
         self.topics = [_topic(name, schema) for name, schema in zip(names, schemas, strict=True)]
         self.topics.append(Topic("/tick_times"))
+        clouds = ((name, body_points(robot, body)) for body, name in self._bodies)
+        self._clouds = [(name, points) for name, points in clouds if len(points)]
+        self.topics += [_topic(f"/points/{name}", "PointCloud") for name, _ in self._clouds]
         self.attachment = _attachment(robot)
         self._transforms, self._states, self._steps = self._forms()
 
@@ -94,7 +98,10 @@ class SceneLog:
         """The robot's shapes and the ground."""
         found = (body_entity(self._robot, body, name) for body, name in self._bodies)
         shown = [pb.message(2, made) for made in (*found, ground_entity(self._ground, WORLD)) if made is not None]
-        return [Messages(_ROBOT, *_one(0, pb.filled(pb.joined(*shown), np.zeros((1, 0)), np.zeros(1, np.uint64))))]
+        forms = [(_ROBOT, pb.joined(*shown))]
+        forms += [(_TICKS + 1 + k, cloud(*one)) for k, one in enumerate(self._clouds)]
+        start = np.zeros(1, np.uint64)
+        return [Messages(topic, start, pb.filled(form, np.zeros((1, 0)), start)) for topic, form in forms]
 
     def show(self, rows: Array) -> list[Messages]:
         """What is seen in every so many rows, and how long the ticks took."""

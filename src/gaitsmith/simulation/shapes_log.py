@@ -1,4 +1,4 @@
-"""Shapes of a robot and of the ground as entities of Foxglove's scenes."""
+"""Shapes of a robot and of the ground as entities of Foxglove's scenes, and as points for programs that draw none."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ _EARTH: Colour = (0.8, 0.82, 0.86, 1.0)
 _FINEST = 3000  # corners of a mesh; a finer one is drawn by its convex hull, or by the box around it
 _ROD = 0.03  # hip heights: thickness of a body that has no shape
 _SHAPES = mujoco.mjtGeom
+_POINTS = 300  # on the surface of a shape
+_FLOAT32 = 7  # Foxglove's number of a packed field's type
 
 
 def entity(name: str, frame: str, *primitives: Form) -> Form:
@@ -50,30 +52,76 @@ def body_entity(robot: Robot, body: int, frame: str) -> Form | None:
 
     Those made to be seen, else those that collide, else rods to what hangs on it.
     """
-    model = robot.model
-    own = np.flatnonzero(model.geom_bodyid == body)
-    collides = (model.geom_contype[own] | model.geom_conaffinity[own]) != 0
-    seen = own[~collides & (model.geom_group[own] < 3)]
-    shown = [shape for g in (seen if len(seen) else own) for shape in _shapes(model, int(g))]
-    shown = shown or _rods(robot, body)
-    return entity(frame, frame, *shown) if shown else None
-
-
-def _rods(robot: Robot, body: int) -> list[Form]:
-    """From a body's origin to those of the bodies that hang on it."""
-    model, shown = robot.model, []
-    thick = _ROD * robot.card.gait.height
-    for child in np.flatnonzero(model.body_parentid == body):
-        end = model.body_pos[child]
-        length = float(np.linalg.norm(end))
-        if child != body and length > thick:
+    shown = [shape for g in _seen(robot.model, body) for shape in _shapes(robot.model, g)]
+    if not shown:
+        thick, colour = _ROD * robot.card.gait.height, pb.message(5, pb.numbers(*_GREY))
+        for end in _rods(robot, body):
             turn = np.zeros(4)
             mujoco.mju_quatZ2Vec(turn, end)
             w, x, y, z = turn.tolist()
-            pose, size = _pose(pb.numbers(*0.5 * end), pb.numbers(x, y, z, w)), pb.numbers(thick, thick, length)
-            colour = pb.message(5, pb.numbers(*_GREY))
-            shown.append(pb.message(10, pose, pb.message(2, size), pb.number(3, 1.0), pb.number(4, 1.0), colour))
-    return shown
+            pose = _pose(pb.numbers(*0.5 * end), pb.numbers(x, y, z, w))
+            size = pb.message(2, pb.numbers(thick, thick, float(np.linalg.norm(end))))
+            shown.append(pb.message(10, pose, size, pb.number(3, 1.0), pb.number(4, 1.0), colour))
+    return entity(frame, frame, *shown) if shown else None
+
+
+def body_points(robot: Robot, body: int) -> Array:
+    """(n, 3) points on the shapes that :func:`body_entity` draws, in the body's frame."""
+    found = [_surface(robot.model, g) for g in _seen(robot.model, body)]
+    if not any(map(len, found)):
+        found = [np.linspace(0.0, 1.0, _POINTS // 10)[:, None] * end for end in _rods(robot, body)]
+    return np.concatenate([np.zeros((0, 3)), *found])
+
+
+def cloud(frame: str, points: Array) -> Form:
+    """Points that are fixed to a frame, as a message of their own."""
+    fields = (
+        pb.message(5, pb.text(1, axis), pb.fixed(2, 4 * k), pb.count(3, _FLOAT32)) for k, axis in enumerate("xyz")
+    )
+    pose = pb.message(3, pb.message(1, pb.numbers(0.0, 0.0, 0.0)), pb.message(2, pb.numbers(0.0, 0.0, 0.0, 1.0)))
+    packed = np.ascontiguousarray(points, "<f4").tobytes()
+    return pb.joined(pb.stamp(1), pb.text(2, frame), pose, pb.fixed(4, 12), *fields, pb.raw(6, packed))
+
+
+def _seen(model: mujoco.MjModel, body: int) -> list[int]:
+    """The geometries of a body that are drawn."""
+    own = np.flatnonzero(model.geom_bodyid == body)
+    collides = (model.geom_contype[own] | model.geom_conaffinity[own]) != 0
+    seen = own[~collides & (model.geom_group[own] < 3)]
+    return (seen if len(seen) else own).tolist()
+
+
+def _rods(robot: Robot, body: int) -> list[Array]:
+    """From a body's origin to those of the bodies that hang on it."""
+    model = robot.model
+    ends = [model.body_pos[child] for child in np.flatnonzero(model.body_parentid == body) if child != body]
+    return [end for end in ends if np.linalg.norm(end) > _ROD * robot.card.gait.height]
+
+
+def _surface(model: mujoco.MjModel, g: int) -> Array:
+    """(n, 3) points on a geometry, in its body's frame; the corners of a mesh, or some of them."""
+    size, kind = model.geom_size[g], _SHAPES(model.geom_type[g])
+    z = np.linspace(-1.0, 1.0, _POINTS)
+    angle, ring = np.arange(_POINTS) * np.pi * (3.0 - np.sqrt(5.0)), np.sqrt(1.0 - z**2)
+    ball = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], 1)  # evenly over the sphere
+    if kind == _SHAPES.mjGEOM_BOX:
+        points = size * ball / np.abs(ball).max(axis=1, keepdims=True)
+    elif kind in (_SHAPES.mjGEOM_SPHERE, _SHAPES.mjGEOM_ELLIPSOID):
+        points = (size[:1] if kind == _SHAPES.mjGEOM_SPHERE else size) * ball
+    elif kind == _SHAPES.mjGEOM_CYLINDER:
+        points = size[[0, 0, 1]] * ball / np.maximum(ring, np.abs(z))[:, None]
+    elif kind == _SHAPES.mjGEOM_CAPSULE:
+        caps = size[0] * ball + size[1] * np.sign(z)[:, None] * (0.0, 0.0, 1.0)
+        points = np.concatenate([caps, np.stack([size[0] * np.cos(angle), size[0] * np.sin(angle), size[1] * z], 1)])
+    elif kind == _SHAPES.mjGEOM_MESH:
+        mesh = int(model.geom_dataid[g])
+        corners = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
+        points = corners[:: -(-len(corners) // _POINTS)]
+    else:
+        return np.zeros((0, 3))
+    turned = np.zeros(9)
+    mujoco.mju_quat2Mat(turned, model.geom_quat[g])
+    return model.geom_pos[g] + points @ turned.reshape(3, 3).T  # type: ignore[no-any-return]
 
 
 def _shapes(model: mujoco.MjModel, g: int) -> list[Form]:
