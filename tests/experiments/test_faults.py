@@ -9,7 +9,7 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments import FallOptions, FaultOptions, run_falls, run_faults
 from gaitsmith.experiments.falls import KNOWN
-from gaitsmith.experiments.lines import Lines
+from gaitsmith.experiments.store import Lines
 
 
 def test_a_small_matrix_and_the_same_again(tmp_path):
@@ -53,7 +53,7 @@ def test_a_fall_of_known_cause_is_named_confirmed_and_kept(tmp_path):
 
 
 def test_lines_that_are_damaged_are_passed_over(tmp_path):
-    Lines(tmp_path, "x.jsonl").add("a", {"b": 1})
+    Lines(tmp_path, "x.jsonl").keep("a", {"b": 1})
     with open(tmp_path / "x.jsonl", "ab") as file:
         file.write(b'{"key": "c", "va')
     again = Lines(tmp_path, "x.jsonl")

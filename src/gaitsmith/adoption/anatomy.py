@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import mujoco
@@ -165,7 +165,7 @@ def _anatomy(tree: Links, coupled: Mapping[str, str], flags: Flags) -> Anatomy:
     axes = np.column_stack([sign * ahead, sign * left, up])
     ordered = legs if sign > 0.0 else legs[::-1]
     height = float(np.mean([h[2] for h in hips])) - min(lowest(leg.shapes, leg.ankle)[2] for leg in legs)
-    named = tuple(_named(leg, name) for leg, name in zip(ordered, ("left", "right"), strict=True))
+    named = tuple(replace(leg, name=name) for leg, name in zip(ordered, ("left", "right"), strict=True))
     return Anatomy(data, torso, axes, rotation.T @ axes, source, (named[0], named[1]), height)
 
 
@@ -180,10 +180,6 @@ def _upright(model: mujoco.MjModel) -> mujoco.MjData:
         data.qpos[3:7] = turned
         mujoco.mj_kinematics(model, data)
     return data
-
-
-def _named(leg: LegFound, name: str) -> LegFound:
-    return LegFound(**{**vars(leg), "name": name})
 
 
 def _leg(tree: Links, path: tuple[int, ...], axes: Array) -> LegFound:

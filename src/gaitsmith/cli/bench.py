@@ -47,8 +47,7 @@ def bench(words: list[str], program: str) -> Outcome:
 
     experiment: Callable[..., Any] = getattr(import_module("gaitsmith.experiments"), name)
     with Display("loading (the first time compiles)") as display:
-        advance = lambda done, total, what: display.show(what, f"{done} of {total}", done, total)  # noqa: E731
-        result = experiment(options, advance)
+        result = experiment(options, display.advance)
     text: list[Text] = []
     with uninterrupted():  # the figures belong to what is recorded already
         _draw_grids(result.document, getattr(options, "out", ""))

@@ -33,19 +33,13 @@ def demo(words: list[str], program: str) -> Outcome:
         return live([], "gaitsmith live")
     folder = check_new_folder(arguments.out or time.strftime("runs/demo-%Y%m%d-%H%M%S"))
     from gaitsmith.cli.display import Display
-    from gaitsmith.cli.interrupts import stop_if_heard
 
     with Display("loading (the first time compiles)") as display:
         from gaitsmith.reports.demo import run_demo
 
         NewFolder(folder).make()
-
-        def tell(what: str, done: str, completed: float | None, total: float | None) -> None:
-            stop_if_heard()
-            display.show(what, done, completed, total)
-
         try:
-            found = run_demo(folder, tell)
+            found = run_demo(folder, display.show)
         except KeyboardInterrupt:
             line = f"interrupted; what was finished is in {folder}"
             return Outcome(INTERRUPTED, {"interrupted": True, "out": str(folder)}, [line])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Column
 
+from gaitsmith.cli.interrupts import stop_if_heard
 from gaitsmith.cli.printing import Printer
 
 if TYPE_CHECKING:
@@ -50,7 +51,8 @@ class Display:
         self.show(text.partition(",")[0])
 
     def show(self, what: str, done: str = "", completed: float | None = None, total: float | None = None) -> None:
-        """What is being done now."""
+        """What is being done now; where long work is left if a signal has asked for its end."""
+        stop_if_heard()
         self._progress.update(self._task, description=what, done=done, completed=completed, total=total)
 
     def advance(self, done: int, total: int, what: str) -> None:

@@ -40,16 +40,10 @@ def convert(words: list[str], program: str) -> Outcome:
     log = log / LOG if log.is_dir() else log
     path = check_file(arguments.out or str(log.with_suffix(_ENDINGS[arguments.to])))
     from gaitsmith.cli.display import Display
-    from gaitsmith.cli.interrupts import stop_if_heard
     from gaitsmith.reports.log_tables import LogSource, write_csv, write_npz, write_parquet
 
     with Display(f"converting to {arguments.to}") as display:
-
-        def tell(time: float) -> None:
-            stop_if_heard()
-            display.show("converting", f"{time:.1f} s")
-
-        source = LogSource(log, tell)
+        source = LogSource(log, lambda time: display.show("converting", f"{time:.1f} s"))
         if arguments.to == "ros2bag":
             from gaitsmith.reports.ros_bag import write_bag
 

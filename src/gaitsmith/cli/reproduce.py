@@ -35,7 +35,6 @@ def reproduce(words: list[str], program: str) -> Outcome:
     arguments = parse(ReproduceArguments, words, program)
     folder = check_new_folder(arguments.out or time.strftime("runs/reproduce-%Y%m%d-%H%M%S"))
     from gaitsmith.cli.display import Display
-    from gaitsmith.cli.interrupts import stop_if_heard
 
     with Display("loading (the first time compiles)") as display:
         from gaitsmith.reproduction.reproducing import chosen
@@ -43,12 +42,7 @@ def reproduce(words: list[str], program: str) -> Outcome:
 
         figures = chosen(arguments.figures)
         NewFolder(folder).make()
-
-        def advance(done: int, total: int, what: str) -> None:
-            stop_if_heard()
-            display.show(what, f"{done} of {total}", done, total)
-
-        found = run(figures, folder, arguments.jobs, advance)
+        found = run(figures, folder, arguments.jobs, display.advance)
     document = {
         "page": str(found.page),
         "figures": list(figures),

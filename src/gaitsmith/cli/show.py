@@ -99,7 +99,6 @@ def video(words: list[str], program: str) -> Outcome:
     """Write a run as a film."""
     arguments = parse(VideoArguments, words, program)
     from gaitsmith.cli.display import Display
-    from gaitsmith.cli.interrupts import stop_if_heard
     from gaitsmith.reports.run import open_run
     from gaitsmith.reports.video import need_video, write_video
 
@@ -109,10 +108,6 @@ def video(words: list[str], program: str) -> Outcome:
     if path.suffix.lower() != ".mp4":
         raise BadInput("--out", str(path), "a name that ends in .mp4")
     with Display("drawing") as display:
-
-        def tell(done: int, total: int) -> None:
-            stop_if_heard()
-            display.show("drawing", f"picture {done} of {total}", done, total)
-
+        tell = lambda done, total: display.show("drawing", f"picture {done} of {total}", done, total)  # noqa: E731
         count = write_video(run, path, arguments.rate, tell)
     return Outcome(DONE, {"file": str(path), "pictures": count}, [f"written: {path}, {count} pictures"])

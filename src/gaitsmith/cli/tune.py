@@ -53,7 +53,7 @@ def tune(words: list[str], program: str) -> Outcome:
 
     wishes = Wishes(**options.model_dump(exclude={"json_", "against", "engine", "address"}), address=address)
     with Display("loading (the first time compiles)") as display:
-        tuning = run(wishes, lambda done, total, what: display.show(what, f"{done} of {total}", done, total))
+        tuning = run(wishes, display.advance)
     code = INTERRUPTED if tuning.interrupted else DONE if tuning.card is not None else NOT_SOLVED
     return Outcome(code, tuning.document, _lines(tuning))
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from gaitsmith.cli.arguments import Arguments, Positional, as_flag, overriding, parse
 from gaitsmith.cli.dispatch import DONE, FELL, INTERRUPTED, Outcome
 from gaitsmith.cli.inputs import tell_old_card
-from gaitsmith.cli.interrupts import stop_if_heard
 from gaitsmith.cli.walk_report import report
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
@@ -109,11 +108,7 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
             if made is not None:
                 write_text_atomic(made.path / "scenario.toml", scenario_toml(_portable(scenario)))
             name, end = f"walking {simulation.robot.card.name}", scenario.duration
-
-            def tell(time: float) -> None:
-                stop_if_heard()
-                display.show(name, f"{time:.1f} of {end:g} s", time, end)
-
+            tell = lambda time: display.show(name, f"{time:.1f} of {end:g} s", time, end)  # noqa: E731
             return simulation, simulation.run(tell)
         except BaseException as error:
             with uninterrupted():

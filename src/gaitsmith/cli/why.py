@@ -38,16 +38,10 @@ def why(words: list[str], program: str) -> Outcome:
     folder = path if path.is_dir() else None
     scenario = load_scenario(path / "scenario.toml" if folder else arguments.run)
     from gaitsmith.cli.display import Display
-    from gaitsmith.cli.interrupts import stop_if_heard
     from gaitsmith.simulation.replay import why as replayed
 
     with Display("loading (the first time compiles)") as display:
-
-        def tell(what: str) -> None:
-            stop_if_heard()
-            display.show("replaying", what, 0.0, 1.0)
-
-        verdict = replayed(scenario, tell)
+        verdict = replayed(scenario, lambda what: display.show("replaying", what, 0.0, 1.0))
     if verdict is None:
         raise BadInput("RUN", arguments.run, "a run that ends in a fall", "run again, its robot stands")
     document: dict[str, Any] = {"run": arguments.run, **verdict.model_dump(mode="json")}

@@ -45,17 +45,19 @@ def episode_key(loop: str, scenario: Scenario) -> str:
         scenario: names and paths of the robot, the gait and the policy do not count, their contents do.
     """
     fields = scenario.model_dump(mode="json", exclude={"robot"})
-    fields["gait"] = [hashlib.sha256(read_bounded(path, _LARGEST_GAIT)).hexdigest() for path in scenario.gait]
+    fields["gait"] = [_content(path) for path in scenario.gait]
     if scenario.library:
-        fields["library"] = hashlib.sha256(
-            read_bounded(Path(scenario.library) / "index.json", _LARGEST_GAIT)
-        ).hexdigest()
+        fields["library"] = _content(Path(scenario.library) / "index.json")
     if scenario.controller:
         fields["controller"] = identity_of(scenario.controller)
     if scenario.policy:
-        fields["policy"] = hashlib.sha256(read_bounded(scenario.policy, _LARGEST_GAIT)).hexdigest()
+        fields["policy"] = _content(scenario.policy)
     text = json.dumps(fields, sort_keys=True, allow_nan=False)
     return hashlib.sha256(f"{loop}\n{text}".encode()).hexdigest()[:32]
+
+
+def _content(path: str | Path) -> str:
+    return hashlib.sha256(read_bounded(path, _LARGEST_GAIT)).hexdigest()
 
 
 def why_unfit(scenarios: Iterable[Scenario], robot: Robot) -> str:

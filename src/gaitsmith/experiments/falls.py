@@ -11,10 +11,10 @@ import numpy as np
 
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.episodes import episode_key, loop_identity
-from gaitsmith.experiments.lines import Lines
 from gaitsmith.experiments.options import FallOptions
 from gaitsmith.experiments.push_grid import momentum_unit
 from gaitsmith.experiments.result import Progress, Result, silent
+from gaitsmith.experiments.store import Lines
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation.disturbances import Push
 from gaitsmith.simulation.faults import Fault
@@ -83,7 +83,7 @@ def run_falls(options: FallOptions, progress: Progress = silent) -> Result:
             progress(len(found), options.falls, f"{kind}: falling and asking why")
             if key not in kept:
                 verdict = why(scenario, robot=robot)
-                kept.add(key, None if verdict is None else verdict.model_dump(mode="json"))
+                kept.keep(key, None if verdict is None else verdict.model_dump(mode="json"))
             if kept[key] is None:
                 stood += 1
             else:

@@ -1,4 +1,4 @@
-"""Finished episodes on disk, one line each, so that an experiment goes on where it stopped."""
+"""Finished work on disk, one line each, so that an experiment goes on where it stopped."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import contextlib
 import json
 import os
 from pathlib import Path
-
-from pydantic import ValidationError
+from typing import Any
 
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, reason
@@ -18,14 +17,15 @@ FILE = "episodes.jsonl"
 _MAX_BYTES = 2**30
 
 
-class Store:
-    """Summaries of finished episodes by key, in ``episodes.jsonl`` of a folder.
+class Lines(dict[str, Any]):
+    """Results by key, in a file of a folder.
 
     A line is appended in one write, so a crash can only leave a last line without its end; that line and any other
     that cannot be read are passed over and counted. Lines with keys that nobody asks for do no harm.
 
     Args:
         folder: created if it is not there.
+        name: of the file.
 
     Attributes:
         path: of the file.
@@ -35,46 +35,39 @@ class Store:
         BadInput: the folder cannot be created or written, or the file is not one or is over 1 GiB.
     """
 
-    def __init__(self, folder: str | Path) -> None:
+    def __init__(self, folder: str | Path, name: str) -> None:
+        super().__init__()
         given = Path(folder)
         try:
             given.mkdir(parents=True, exist_ok=True)
         except (OSError, ValueError) as error:
             raise BadInput("--out", str(folder), "a folder that can be created", reason(error)) from None
-        self.path = given.resolve() / FILE
+        self.path = given.resolve() / name
         if not os.access(self.path if self.path.exists() else given, os.W_OK):
             raise BadInput("--out", str(folder), "a folder that can be written", "choose another place")
-        self.damaged = 0
-        self._found: dict[str, Summary] = {}
         content = read_bounded(self.path, _MAX_BYTES) if os.path.lexists(self.path) else b""
-        self._open_ended = bool(content) and not content.endswith(b"\n")
-        for line in content.split(b"\n"):
-            if line.strip():
-                self._take(line)
+        self.damaged, self._open_ended = 0, bool(content) and not content.endswith(b"\n")
+        for line in filter(bytes.strip, content.split(b"\n")):
+            try:
+                record = json.loads(line)
+                self[str(record["key"])] = self._value(record)
+            except (ValueError, TypeError, KeyError, RecursionError):  # pydantic's is a ValueError
+                self.damaged += 1
 
-    def _take(self, line: bytes) -> None:
-        """Keep one line's summary, or count the line as damaged."""
-        try:
-            record = json.loads(line)
-            self._found[str(record["key"])] = Summary.model_validate_json(json.dumps(record["summary"]))
-        except (ValueError, TypeError, KeyError, RecursionError, ValidationError):
-            self.damaged += 1
+    def _value(self, record: dict[str, Any]) -> Any:
+        return record["value"]
 
-    def __len__(self) -> int:
-        return len(self._found)
-
-    def get(self, key: str) -> Summary | None:
-        """Summary of the episode with this key, None if it has not been run."""
-        return self._found.get(key)
-
-    def add(self, key: str, scenario: Scenario, summary: Summary) -> None:
-        """Append one finished episode; it is on disk when this returns.
+    def keep(self, key: str, value: Any) -> None:
+        """Append one plain result; it is on disk when this returns.
 
         Raises:
             BadInput: the file cannot be written.
         """
-        record = {"key": key, "scenario": scenario.model_dump(mode="json"), "summary": summary.model_dump(mode="json")}
-        line = json.dumps(record, allow_nan=False, separators=(",", ":")).encode() + b"\n"
+        self._append(key, {"value": value})
+        self[key] = value
+
+    def _append(self, key: str, fields: dict[str, Any]) -> None:
+        line = json.dumps({"key": key, **fields}, allow_nan=False, separators=(",", ":")).encode() + b"\n"
         try:
             handle = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
             try:
@@ -84,7 +77,6 @@ class Store:
         except OSError as error:
             raise BadInput(str(self.path), reason(error), "a file that can be written") from None
         self._open_ended = False
-        self._found[key] = summary
 
     def _write(self, handle: int, line: bytes) -> None:
         """One write; if the disk takes only a part, the rest of the line is given up as damaged."""
@@ -93,3 +85,19 @@ class Store:
             raise OSError(0, "the disk is full")
         with contextlib.suppress(OSError):
             os.fsync(handle)
+
+
+class Store(Lines):
+    """Summaries of finished episodes by key, in ``episodes.jsonl`` of a folder; see :class:`Lines`."""
+
+    def __init__(self, folder: str | Path) -> None:
+        super().__init__(folder, FILE)
+
+    def _value(self, record: dict[str, Any]) -> Summary:
+        return Summary.model_validate_json(json.dumps(record["summary"]))
+
+    def add(self, key: str, scenario: Scenario, summary: Summary) -> None:
+        """Append one finished episode, as :meth:`keep` does."""
+        fields = {"scenario": scenario.model_dump(mode="json"), "summary": summary.model_dump(mode="json")}
+        self._append(key, fields)
+        self[key] = summary

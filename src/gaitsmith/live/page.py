@@ -18,6 +18,8 @@ from gaitsmith.live.scene import OVERLAYS, Scene
 from gaitsmith.live.server import Server
 from gaitsmith.live.walker import REGION
 from gaitsmith.robots import Robot
+from gaitsmith.simulation.orders import first_gait
+from gaitsmith.simulation.scenario import make_scenario
 
 PERIOD = 1.0 / 30.0
 """s between two pictures."""
@@ -91,7 +93,7 @@ class Page:
         self._seen, self._noted, self._count = 0, 0, 0
         self._ground = ("flat", 0)
         self.history = History(robot)
-        gait = {} if scenario.get("gait") else _gait_of(robot, scenario)
+        gait = {} if scenario.get("gait") else first_gait(make_scenario(scenario), robot).model_dump()
         gui = server.gui
         gui.configure_theme(brand_color=(45, 125, 210), show_logo=False, show_share_button=False)
         gui.main_panel.dock_right()
@@ -177,12 +179,6 @@ class Page:
             began = time.monotonic()
             self.update()
             time.sleep(min(max(0.002, PERIOD - (time.monotonic() - began)), PERIOD))  # whatever became of the clock
-
-
-def _gait_of(robot: Robot, scenario: dict[str, Any]) -> dict[str, Any]:
-    """The gait that a walk begins with."""
-    gait = robot.card.gait.model_dump()
-    return {name: scenario[name] if scenario.get(name) is not None else value for name, value in gait.items()}
 
 
 def make_frame(columns: list[str], robot: Robot, balls: int) -> Frame:

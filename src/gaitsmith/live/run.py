@@ -11,8 +11,10 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.live.frame import Frame
+from gaitsmith.log import Log
 from gaitsmith.reports.run import open_run
 from gaitsmith.simulation.run_folder import LOG
+from gaitsmith.simulation.scene_log import positions
 
 Array = npt.NDArray[np.float64]
 
@@ -89,10 +91,7 @@ class Run:
         """The frame of a row."""
         frame, robot, data = self.frame, self.robot, self._data
         frame.row[:] = self.rows(number, number + 1)[0]
-        frame.q[:3] = [frame[f"true.torso_{axis}"] for axis in "xyz"]
-        frame.q[3:7] = _quaternion(*(frame[f"true.torso_{axis}"] for axis in ("roll", "pitch", "yaw")))
-        first = frame.index("joint_position." + robot.joint_names[0])
-        frame.q[7:] = frame.row[first : first + len(robot.joint_names)]
+        frame.q[:] = positions(Log(self.log.columns, self.log.rows[number : number + 1]), robot)[0]
         data.qpos[:] = frame.q
         mujoco.mj_kinematics(robot.model, data)
         mujoco.mj_comPos(robot.model, data)
@@ -108,12 +107,3 @@ class Run:
         forces = [force for begin, end, force in self.pushes if begin <= now <= end and np.isfinite(force).all()]
         frame.push[:] = np.sum(forces, axis=0) if forces else 0.0
         return frame
-
-
-def _quaternion(roll: float, pitch: float, yaw: float) -> Array:
-    """Quaternion w x y z of a turn by yaw, pitch, roll about moving axes."""
-    found, step = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(4)
-    for axis, angle in (((0.0, 0.0, 1.0), yaw), ((0.0, 1.0, 0.0), pitch), ((1.0, 0.0, 0.0), roll)):
-        mujoco.mju_axisAngle2Quat(step, np.array(axis), angle)
-        mujoco.mju_mulQuat(found, found.copy(), step)
-    return found

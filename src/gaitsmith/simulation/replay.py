@@ -11,11 +11,11 @@ from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.documents import Frozen
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot, load_robot
-from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.robots.presets import ControlParameters
 from gaitsmith.simulation.diagnosis import Suspect
 from gaitsmith.simulation.episode import Simulation
 from gaitsmith.simulation.fall import Cause, Fall
+from gaitsmith.simulation.orders import first_gait
 from gaitsmith.simulation.scenario import Scenario
 
 _LONGER = 5.0  # s that a run has to stand beyond the time of the fall, as far as the scenario goes
@@ -178,8 +178,7 @@ def _fall_of(
     """When a run falls, s; None if it stands until then."""
     controller = None
     if parameters is not None:
-        gait = GaitParameters.model_validate({**robot.card.gait.model_dump(), **scenario.given()})
-        controller = Controller(robot, parameters, scenario.state, gait)
+        controller = Controller(robot, parameters, scenario.state, first_gait(scenario, robot))
     run = Simulation(scenario, robot=robot, controller=controller, record=False, passing=passing)
     if nudge:
         run.plant.q[7] += nudge

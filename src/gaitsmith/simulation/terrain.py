@@ -52,7 +52,6 @@ class Terrain:
     Attributes:
         kind: ``flat``; ``slope``, level until 0.6 m ahead of the origin and then inclined about y; ``boxes``, a grid
             of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin;
-            of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin;
             ``stairs`` up from z = 0, or down to it; ``cross``, level until 0.6 m ahead and then inclined about x;
             ``ice``, flat with a patch across the path that has a friction of its own.
         amount: inclination in degrees (uphill, or left side up, positive), largest box height in m, how much higher
@@ -104,10 +103,19 @@ class Terrain:
         if self.kind == "ice":
             return _ice_blocks(self.amount, *self.patch, region)
         if self.kind == "boxes":
-            return _random_blocks(self.amount, self.seed, region)
+            return self._box_blocks(region)
         if self.kind == "stairs":
             return self._tread_blocks(region)
         return []
+
+    def _box_blocks(self, region: Region) -> list[Block]:
+        """Boxes standing in the plane z = 0, a cell each; a height depends on the seed and its cell only."""
+        x, y = (BOX_PITCH * grid.ravel() for grid in np.meshgrid(_cells(*region.x), _cells(*region.y), indexing="ij"))
+        edge, found = BOX_PITCH / 2, []
+        for place in zip(x.tolist(), y.tolist(), self.heights(x, y).tolist(), strict=True):
+            half = (place[2] + _SUNK) / 2
+            found += [Block((*place[:2], place[2] - half), (edge, edge, half))] if place[2] > 0.0 else []
+        return found
 
     def _tread_blocks(self, region: Region) -> list[Block]:
         """One box a tread that is above the plane, from edge to edge; the first and the last reach far."""
@@ -212,24 +220,3 @@ def _cells(low: float, high: float) -> range:
 def _field(height: float, seed: int) -> Array:
     """Drawn heights of all cells."""
     return np.random.default_rng([seed, 0xB0]).uniform(0.0, height, (2 * _FIELD + 1, 2 * _FIELD + 1))
-
-
-def _box_height(field: Array, i: int, j: int) -> float:
-    """Height of one cell; level around the start and beyond the field."""
-    if math.hypot(i, j) * BOX_PITCH <= FLAT_RADIUS or max(abs(i), abs(j)) > _FIELD:
-        return 0.0
-    return float(field[i + _FIELD, j + _FIELD])
-
-
-def _random_blocks(height: float, seed: int, region: Region) -> list[Block]:
-    """Grid of boxes standing in the plane z = 0; a box's height depends on the seed and its cell only."""
-    field = _field(height, seed)
-    blocks = []
-    for i in _cells(*region.x):
-        for j in _cells(*region.y):
-            top = _box_height(field, i, j)
-            if top > 0.0:
-                half = (top + _SUNK) / 2
-                centre = (i * BOX_PITCH, j * BOX_PITCH, top - half)
-                blocks.append(Block(centre, (BOX_PITCH / 2, BOX_PITCH / 2, half)))
-    return blocks
