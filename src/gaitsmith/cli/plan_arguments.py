@@ -135,7 +135,7 @@ class PlanArguments(Arguments):
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=_SETTINGS["order"].default),
     ] = None
     free_times: Annotated[
-        bool, About("Choose phase times and foot pitches, besides the torques, for the least J (about half a minute)")
+        bool, About("Choose phase times and foot pitches, besides the torques, for the least J (about ten seconds)")
     ] = False
     cycles: Annotated[
         int | None,

@@ -32,6 +32,8 @@ def plan_lines(document: dict[str, Any], robot: Robot) -> Iterator[Text]:
         yield f"left and right differ by {document['asymmetry']:.2%}: a stride of two steps, without the mirror"
     if document["held"]:
         yield f"held at home: {', '.join(document['held'])}"
+    if document["free_durations"]:
+        yield "durations chosen: " + ", ".join(f"{name} {t:.3f} s" for name, t in document["free_durations"].items())
     if document["max_torque"] is not None:
         margin, jump = figure(document["zmp_margin_mm"], ".1f"), figure(document["torque_jump"], ".2g")
         yield f"smallest ZMP margin in single support {margin} mm, largest jump of a torque {jump} N·m"

@@ -34,13 +34,19 @@ Array = npt.NDArray[np.float64]
 SHORTEST, LONGEST_PHASE, LONGEST = 1e-5, 60.0, 3600.0  # s
 LARGEST = {"angle": 1e3, "velocity": 1e5, "acceleration": 1e8, "torque": 1e5, "wrench": 1e6}
 _UNITS = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s²", "torque": "N·m", "wrench": "N and N·m"}
-_CLOCK = 1e-6  # s by which times may disagree
+CLOCK = 1e-6  # s by which times may disagree
 
 
 def _quantity(name: str) -> str:
     if name not in QUANTITIES and of_joint(name) is None:
         raise ValueError(f"one of {', '.join(QUANTITIES)}, or a joint's name with .{', .'.join(JOINT_QUANTITIES)}")
     return name
+
+
+def _increasing(ends: tuple[float, float]) -> tuple[float, float]:
+    if not ends[0] < ends[1]:
+        raise ValueError("two durations, the second one longer")
+    return ends
 
 
 QuantityName = Annotated[str, AfterValidator(_quantity)]
@@ -53,6 +59,7 @@ Heading = Annotated[float, Field(ge=-1e3, le=1e3)]  # rad
 _Border = Annotated[int, Field(ge=0)]
 _Joints = Annotated[tuple[Number, ...], Field(max_length=200)]
 _Duration = Annotated[float, Field(ge=SHORTEST, le=LONGEST_PHASE)]
+DurationRange = Annotated[tuple[_Duration, _Duration], AfterValidator(_increasing)]
 _Coefficient = float
 _Row = Annotated[tuple[_Coefficient, ...], Field(min_length=1, max_length=200)]
 _Table = Annotated[tuple[_Row, ...], Field(max_length=200)]
@@ -88,7 +95,7 @@ class _LimitEntry(Range):
 
 
 class _Section(Parameters):
-    start: Annotated[float, Field(ge=0.0, le=LONGEST + _CLOCK)]
+    start: Annotated[float, Field(ge=0.0, le=LONGEST + CLOCK)]
     duration: _Duration
     joints: _Table
     torque: _Table
@@ -107,6 +114,7 @@ class _PhaseEntry(Parameters):
     other_height: Height = 0.0
     heading: Heading = 0.0
     other_heading: Heading = 0.0
+    duration_range: DurationRange | None = None
     limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=1000)]
     sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
 
@@ -148,6 +156,7 @@ class GaitEntries(Parameters):
     robot_hash: Name
     motion: Name
     cyclic: bool
+    total_duration: Annotated[float, Field(gt=0.0, le=LONGEST)] | None = None
     order: Literal[4, 5]
     parameters: dict[Name, Number]
     # A default would hide what a gait was planned for.
@@ -182,7 +191,9 @@ def gait_from(document: dict[str, Any]) -> Gait:
             _check_joint(limit.quantity, joints, f"{place}[{k}].quantity")
         where = (item.support, item.contact, item.foothold, item.other_foothold)
         more = item.height, item.other_height, item.heading, item.other_heading
-        phases.append(Phase(item.name, item.duration, *where, len(item.sections), limits, *more))
+        phases.append(
+            Phase(item.name, item.duration, *where, len(item.sections), limits, *more, between=item.duration_range)
+        )
         clock += item.duration
     if clock > LONGEST:
         raise BadInput("phases", f"{clock:.6g} s", f"at most {LONGEST:g} s in all")
@@ -194,7 +205,9 @@ def gait_from(document: dict[str, Any]) -> Gait:
         robot=entries.robot,
         robot_hash=entries.robot_hash,
         joint_names=joints,
-        motion=Motion(entries.motion, tuple(phases), conditions, entries.cyclic, entries.parameters),
+        motion=Motion(
+            entries.motion, tuple(phases), conditions, entries.cyclic, entries.parameters, entries.total_duration
+        ),
         pieces=tuple(groups),
         bounds=entries.bounds.model_dump(),
         order=entries.order,
@@ -241,7 +254,7 @@ def _pieces(phase: _PhaseEntry, field: str, clock: float, joints: int) -> tuple[
     found, start = [], clock
     for k, section in enumerate(phase.sections):
         place = f"{field}[{k}]"
-        if abs(section.start - start) > _CLOCK:
+        if abs(section.start - start) > CLOCK:
             raise BadInput(f"{place}.start", section.start, f"{start:.6g}, where the section before ends")
         piece = Piece(
             section.start,
@@ -254,7 +267,7 @@ def _pieces(phase: _PhaseEntry, field: str, clock: float, joints: int) -> tuple[
         _check_curves(piece, place)
         found.append(piece)
         start += section.duration
-    if abs(start - clock - phase.duration) > _CLOCK:
+    if abs(start - clock - phase.duration) > CLOCK:
         raise BadInput(field, f"{start - clock:.6g} s", f"{phase.duration:.6g} s, the phase's duration")
     return tuple(found)
 

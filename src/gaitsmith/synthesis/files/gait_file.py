@@ -36,6 +36,7 @@ def gait_document(gait: Gait) -> dict[str, Any]:
             **{name: getattr(phase, name) for name in ("name", "duration", "support", "contact", "foothold")},
             "other_foothold": phase.other,
             **{name: getattr(phase, name) for name in ("height", "other_height", "heading", "other_heading")},
+            **({} if phase.between is None else {"duration_range": phase.between}),
             "limits": [
                 {"quantity": item.quantity, "low": _finite_or_none(item.low), "high": _finite_or_none(item.high)}
                 for item in phase.limits
@@ -56,6 +57,7 @@ def gait_document(gait: Gait) -> dict[str, Any]:
         "robot_hash": gait.robot_hash,
         "motion": gait.motion.name,
         "cyclic": gait.motion.cyclic,
+        **({} if gait.motion.total is None else {"total_duration": gait.motion.total}),
         "order": gait.order,
         "parameters": gait.motion.parameters,
         "bounds": gait.bounds,

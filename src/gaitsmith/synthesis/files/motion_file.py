@@ -13,13 +13,24 @@ from pydantic import Field
 from gaitsmith.documents import Name, checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
-from gaitsmith.synthesis.files.gait_entries import Amount, Heading, Height, LimitName, Place, QuantityName, Range
+from gaitsmith.synthesis.files.gait_entries import (
+    CLOCK,
+    Amount,
+    DurationRange,
+    Heading,
+    Height,
+    LimitName,
+    Place,
+    QuantityName,
+    Range,
+)
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import At, Condition, Motion, Phase, Same, State, Unloaded
 from gaitsmith.synthesis.motions.settings import Settings
 
 PHASES, SECTIONS = 60, 120  # of a motion
+_SHORTEST = 0.02  # s, of a phase
 _T = TypeVar("_T")
 _OfJoint = Literal["angle", "velocity", "acceleration", "torque"]
 Array = npt.NDArray[np.float64]
@@ -36,7 +47,8 @@ class _PhaseText(Parameters):
     """One phase as written."""
 
     name: Name
-    duration: Annotated[float, Field(ge=0.02, le=60.0)]
+    duration: Annotated[float, Field(ge=_SHORTEST, le=60.0)]
+    duration_range: DurationRange | None = None
     support: Literal["left", "right"]
     contact: Literal["air", "flat", "heel", "toe", "flight"]
     support_at: Place
@@ -70,6 +82,7 @@ class MotionText(Parameters):
     Attributes:
         name: of the motion; it decides nothing.
         cyclic: whether the end is the mirror image of the start, one step further.
+        total_duration: of all phases together, s, which free ones keep.
         standing_height: hips above the soles in the standing posture, m; 3 cm below straight legs if absent.
         phases: in order of time.
         conditions: at the ends of phases; ``after`` names the phase, and is absent for the start of the motion.
@@ -78,6 +91,7 @@ class MotionText(Parameters):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,40}$")]
     cyclic: bool = False
+    total_duration: Annotated[float, Field(gt=0.0)] | None = None
     standing_height: Annotated[float | None, Field(gt=0.0, le=10.0)] = None
     phases: Annotated[tuple[_PhaseText, ...], Field(min_length=1, max_length=PHASES)]
     conditions: Annotated[tuple[_ConditionText, ...], Field(max_length=2 * PHASES)] = ()
@@ -120,7 +134,10 @@ def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
     conditions: list[Condition] = []
     for index, item in enumerate(text.conditions):
         conditions += _conditions(item, f"conditions[{index}]", names, rest, biped)
-    return Motion(text.name, phases, tuple(conditions), text.cyclic)
+    lasting = sum(phase.duration for phase in phases)
+    if text.total_duration is not None and abs(text.total_duration - lasting) > CLOCK:
+        raise BadInput("total_duration", text.total_duration, f"{lasting:.6g} s, the sum of the phases' durations")
+    return Motion(text.name, phases, tuple(conditions), text.cyclic, total=text.total_duration)
 
 
 def _standing(biped: Biped, height: float | None) -> Array:
@@ -143,7 +160,11 @@ def _phase(item: _PhaseText, biped: Biped, field: str) -> Phase:
     limits = tuple(value.limit(name, f"{field}.limits.{name}") for name, value in every.items())
     where = (item.support, item.contact, item.support_at, item.other_at)
     more = item.support_height, item.other_height, item.heading, item.other_heading
-    return Phase(item.name, item.duration, *where, item.sections, limits, *more)
+    between = item.duration_range
+    if between is not None and not max(between[0], _SHORTEST) <= item.duration <= between[1]:
+        valid = f"a duration within duration_range, {between[0]:g} to {between[1]:g}, and from {_SHORTEST:g} s"
+        raise BadInput(f"{field}.duration", item.duration, valid, "the search starts there")
+    return Phase(item.name, item.duration, *where, item.sections, limits, *more, between=item.duration_range)
 
 
 def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:

@@ -121,6 +121,7 @@ class Phase:
         other_height: of the ground under the other foot: where it stands, or what it may not go below in the air.
         heading: of the support sole, world, rad; to the left.
         other_heading: of the other sole, world, rad; in the air it stays between this one and those before and after.
+        between: least and most duration, s, where it is free and chosen for the least objective.
     """
 
     name: str
@@ -135,6 +136,7 @@ class Phase:
     other_height: float = 0.0
     heading: float = 0.0
     other_heading: float = 0.0
+    between: tuple[float, float] | None = None
 
     @property
     def straight(self) -> Phase:
@@ -244,6 +246,7 @@ class Motion:
         cyclic: the end is the start, one stride further; or its mirror image, one step further, where another foot
             supports.
         parameters: what the motion was made from, for the record.
+        total: duration that free phases keep together with the others, s; None if they need not.
     """
 
     name: str
@@ -251,6 +254,7 @@ class Motion:
     conditions: tuple[Condition, ...] = ()
     cyclic: bool = False
     parameters: dict[str, float] = field(default_factory=dict)
+    total: float | None = None
 
     @property
     def borders(self) -> Array:

@@ -20,6 +20,7 @@ SEAM = {"position_m": 1e-6, "angle_rad": 1e-5, "velocity": 1e-4, "acceleration":
 _STATES = ("position", "velocity", "acceleration")
 _ALLOWED = {"position": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}  # rad, rad/s, rad/s²
 _LOAD = 1e-5  # of the weight
+_CLOCK = 1e-9  # s
 _GAUSS, _FEW = 30, 8  # nodes a piece: exact for τᵀτ up to degree 29, and for a cubic u, which turns with its foot
 
 
@@ -43,6 +44,19 @@ def conditions(gait: Gait, biped: Biped, finder: StateFinder) -> list[tuple[str,
             found.append((f"load of the {phase.other_foot} foot at border {item.border}", 0.0, most, _LOAD))
         else:
             found += _states(gait, biped, item, gait.joints(index, time))
+    return found
+
+
+def durations(gait: Gait) -> list[str]:
+    """Phases that do not last as long as they may, in words."""
+    found = []
+    for phase in gait.motion.phases:
+        low, high = phase.between or (phase.duration, phase.duration)
+        if not low - _CLOCK <= phase.duration <= high + _CLOCK:
+            found.append(f"{phase.name} lasts {phase.duration:.6g} s, not {low:.6g} to {high:.6g} s")
+    total = gait.motion.total
+    if total is not None and not abs(gait.duration - total) <= _CLOCK:
+        found.append(f"all phases last {gait.duration:.6g} s, not {total:.6g} s")
     return found
 
 

@@ -22,7 +22,7 @@ from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
 from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Phase
-from gaitsmith.synthesis.proof.borders import SEAM, conditions, jumps, objective, seams
+from gaitsmith.synthesis.proof.borders import SEAM, conditions, durations, jumps, objective, seams
 from gaitsmith.synthesis.proof.certificate import (
     claimed_at,
     disagrees,
@@ -156,6 +156,7 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
     verdict.torque_jump, verdict.wrench_jump = jumps(gait, biped)
     verdict.seam = seams(gait, biped, finder)
     verdict.conditions = conditions(gait, biped, finder)
+    verdict.problems += durations(gait)
     verdict.checked += len(rows) + len(verdict.conditions)
     _judge(verdict, beyond, errors, light)
     verdict.problems += missing(rows, verdict.worst) if rows else []

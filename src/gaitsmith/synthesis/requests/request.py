@@ -30,7 +30,7 @@ from gaitsmith.synthesis.motions.motion import QUANTITIES, Condition, Motion, Sa
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
 from gaitsmith.synthesis.motions.turning import check_turn, turn_cycle, turn_start, turn_stop
-from gaitsmith.synthesis.requests.free_times import freed
+from gaitsmith.synthesis.requests.free_times import freed_motion, freed_step
 from gaitsmith.synthesis.solution.certificate import mirrored_entry
 from gaitsmith.synthesis.solution.ipopt import Progress
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
@@ -199,7 +199,7 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
         step = replace(step, period=_FASTER * step.period, length=_FASTER * step.length)
         cycle = run(cyclic(biped, step), request.settings)
     if request.free_times and cycle.gait is not None:
-        step, cycle = freed(step, cycle, lambda tried, best: run(cyclic(biped, tried), request.settings, best))
+        step, cycle = freed_step(planner, step, cycle, settings, lambda tried, best: run(tried, settings, best))
         results["cyclic"] = cycle
     return replace(_ends(planner, replace(request, step=step), run, results, cycle, rest), periods=tuple(periods))
 
@@ -242,6 +242,12 @@ def answer_file(planner: Planner, path: Path, report: _REPORT | None = None) -> 
     motion, settings = read_motion(path, planner.biped)
     tell: Any = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
     found = planner.plan(motion, settings, report=tell)
+    if found.gait is not None and any(phase.between is not None for phase in motion.phases):
+
+        def again(tried: Motion, best: PlanResult) -> PlanResult:
+            return planner.plan(tried, settings, neighbour=best, report=tell)
+
+        found = freed_motion(planner, motion, found, settings, again)
     return Answer({motion.name: found}, found.gait)
 
 

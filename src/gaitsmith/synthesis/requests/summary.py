@@ -76,6 +76,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "constraints": sum(item.constraints for item in results) if kind in _WHOLE else main.constraints,
         "fallbacks": sum(item.fallbacks for item in results),
         "duration": None if gait is None else gait.duration,
+        "free_durations": {} if gait is None else _chosen(gait),
         "max_torque": None if gait is None else peak_torques(gait),
         "zmp_margin_mm": None if gait is None else 1e3 * single_support_margin(gait, biped),
         "torque_jump": None if gait is None else jumps(gait, biped.whole)[0],
@@ -111,6 +112,11 @@ def rejections(gait: Gait, robot: Robot) -> list[str]:
     except BadInput as error:
         return [str(error)]
     return verify(read, robot).problems
+
+
+def _chosen(gait: Gait) -> dict[str, float]:
+    """Durations of the phases that left them free, s."""
+    return {phase.name: phase.duration for phase in gait.motion.phases if phase.between is not None}
 
 
 def _step(gait: Gait) -> dict[str, float]:
