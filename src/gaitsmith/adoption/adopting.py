@@ -50,8 +50,6 @@ class Wishes:
         feet, torso: bodies, where they are not to be inferred.
         sole: the soles' size, for feet without shapes.
         search: candidates at most, 0 for none.
-        seed: of the search.
-        jobs: processes.
         sheet: whether to measure what it can do.
     """
 
@@ -73,8 +71,6 @@ class Adoption:
 
     Attributes:
         card: its path; None if something has to be asked.
-        document: the JSON contract.
-        tests: that the robot was put to.
         reason: why something is asked, in one line.
     """
 

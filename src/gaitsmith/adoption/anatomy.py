@@ -115,7 +115,6 @@ def find_anatomy(
         model: compiled, its first joint free.
         entry: what errors begin with.
         coupled: joints that do not move independently, and why.
-        flags: what the user says himself.
 
     Raises:
         Asked: several limbs could be the legs, or a flag names no body.

@@ -39,10 +39,7 @@ class CardDraft:
     """A card before it is written.
 
     Attributes:
-        header: entries at the top, in order.
-        legs: entries of each leg, in order.
         tables: further tables by name, such as `gait`.
-        remarks: lines of comment at the end.
     """
 
     header: list[Entry]
@@ -87,10 +84,7 @@ def draft_card(
     """The card of what was found.
 
     Args:
-        name: of the robot.
         model_file: the model's path below the card's folder.
-        model: compiled.
-        anatomy: of it.
         soles: left, right.
         weld: joints to be welded, and why.
     """

@@ -53,9 +53,6 @@ def add_soles(files: dict[str, bytes], model: mujoco.MjModel, anatomy: Anatomy, 
 
     Args:
         files: by name; changed.
-        model: compiled from them.
-        anatomy: of it.
-        soles: as given.
 
     Raises:
         BadInput: no file has the foot's body.

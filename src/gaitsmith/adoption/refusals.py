@@ -21,7 +21,6 @@ class Asked(BadInput):
     """What has to be said with a flag.
 
     Attributes:
-        flag: of the command line.
         candidates: values that it could have, the likeliest first.
     """
 

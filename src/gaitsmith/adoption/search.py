@@ -92,9 +92,6 @@ def search(
         stage: see :data:`Stage`.
         store: of finished runs.
         most: candidates at most.
-        seed: of the candidates.
-        jobs: processes.
-        progress: told after every run.
 
     Raises:
         KeyboardInterrupt: Ctrl-C.

@@ -21,7 +21,6 @@ class Shape:
     Attributes:
         points: (n, 3), m.
         radius: m.
-        body: that carries it.
     """
 
     points: Array

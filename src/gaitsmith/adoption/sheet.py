@@ -57,9 +57,6 @@ def measure(robot: Robot, name: str, store: Store, jobs: int, progress: Progress
     Args:
         robot: walks at the test's speed.
         name: under which it is loaded again.
-        store: of finished runs.
-        jobs: processes.
-        progress: told after every run.
 
     Raises:
         KeyboardInterrupt: Ctrl-C.

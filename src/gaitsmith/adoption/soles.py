@@ -33,7 +33,6 @@ class SoleFound:
     Attributes:
         kind: `line`, `rectangle` or `polygon`.
         points: (n, 2) corners, counter-clockwise, m; the ends of a line.
-        body: that carries the frame.
         position: (3,) of the frame in the world at the zero pose, m.
         axes: (3, 3) of the frame in the world at the zero pose, as columns.
         source: what it was inferred from, in words.

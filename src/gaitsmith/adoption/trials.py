@@ -66,9 +66,7 @@ def examine(robot: Robot, name: str, *, progress: Progress = silent) -> Doctor:
     """Run the tests, one after the other.
 
     Args:
-        robot: loaded.
         name: under which scenarios load it again.
-        progress: told before every test.
 
     Raises:
         BadInput: the robot cannot stand in its card's posture.

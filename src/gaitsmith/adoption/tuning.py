@@ -60,7 +60,6 @@ class Tuning:
     """What came of it.
 
     Attributes:
-        document: as JSON has it.
         card: folder of the card with the found gains as a preset; None if they are not better, or not found yet.
         interrupted: whether Ctrl-C cut it short; the same command goes on from there.
     """

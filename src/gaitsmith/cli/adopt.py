@@ -60,9 +60,6 @@ def adopt(words: list[str], program: str) -> Outcome:
     """Run ``adopt``.
 
     Exit codes: 0 adopted and walks; 1 a card was written but a test fails; 2 refused, or something has to be asked.
-
-    Raises:
-        BadInput: the command line or the model cannot be used.
     """
     options = parse(AdoptArguments, words, program)
     from gaitsmith.adoption.adopting import Wishes

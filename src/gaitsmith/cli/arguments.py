@@ -52,7 +52,6 @@ def overriding(
     """A command's own arguments, and every described field of a model as an option that may be left out.
 
     Args:
-        own: the command's own.
         model: what the options override.
         absent: what the help calls a value that the model has no default for.
         defaults: what the help shows instead of the model's own defaults.
@@ -173,7 +172,6 @@ def parse(kind: type[_Model], words: Sequence[str], program: str) -> _Model:
 
     Args:
         kind: the command's arguments; its docstring and its fields' descriptions are the help.
-        words: the command line after the command's name.
         program: the command's full name, for messages.
 
     Raises:

@@ -57,7 +57,6 @@ class Outcome:
     """What a command hands back.
 
     Attributes:
-        code: the exit code.
         document: what ``--json`` prints.
         text: the same for people; not asked for with ``--json``.
     """

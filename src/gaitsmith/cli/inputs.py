@@ -42,7 +42,6 @@ def planned_gait(path: str, robot: str | None, allow_edited: bool = False) -> tu
     """The gait in a file, its robot, and whether the file is as it was written.
 
     Args:
-        path: of the gait file.
         robot: where the robot is, if it is not one of the package.
         allow_edited: hand back a well-formed file that was edited, instead of refusing it.
 

@@ -39,11 +39,7 @@ class CheckArguments(RobotArguments):
 
 
 def list_robots(words: list[str], program: str) -> Outcome:
-    """Run ``robots list``.
-
-    Raises:
-        BadInput: the command line cannot be used.
-    """
+    """Run ``robots list``."""
     parse(ListArguments, words, program)
     from gaitsmith.robots import load_robot, robot_names
 
@@ -55,11 +51,7 @@ def list_robots(words: list[str], program: str) -> Outcome:
 
 
 def show(words: list[str], program: str) -> Outcome:
-    """Run ``robots show``.
-
-    Raises:
-        BadInput: the command line or the robot cannot be used.
-    """
+    """Run ``robots show``."""
     robot = named_robot(parse(RobotArguments, words, program).robot, "ROBOT")
     from gaitsmith.robots import describe
 
@@ -68,11 +60,7 @@ def show(words: list[str], program: str) -> Outcome:
 
 
 def check(words: list[str], program: str) -> Outcome:
-    """Run ``robots check``; exit code 1 if it does not stand or walk.
-
-    Raises:
-        BadInput: the command line or the robot cannot be used.
-    """
+    """Run ``robots check``; exit code 1 if it does not stand or walk."""
     options = parse(CheckArguments, words, program)
     robot = named_robot(options.robot, "ROBOT")
     from gaitsmith.kinematics.posture import standing_posture

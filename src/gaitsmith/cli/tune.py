@@ -41,9 +41,6 @@ def tune(words: list[str], program: str) -> Outcome:
     """Run ``tune``.
 
     Exit codes: 0 better gains found; 3 none; 130 Ctrl-C.
-
-    Raises:
-        BadInput: the command line, the robot, the preset or the folder cannot be used.
     """
     options = parse(TuneArguments, words, program)
     address = address_of(options.engine, options.address)

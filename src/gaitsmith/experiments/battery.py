@@ -68,7 +68,6 @@ class TrialOutcome:
     """A trial and what became of it.
 
     Attributes:
-        trial: the trial.
         episodes: each scenario with its summary, None if it was not run.
         unfit: why the robot cannot run it, None if it can.
     """

@@ -115,8 +115,6 @@ def run_all(
         store: asked first; every episode is added as soon as it is finished.
         jobs: processes, each with one thread.
         address: of a Ray cluster instead, whose nodes have the robot's files at the same place.
-        progress: told after every episode.
-        what: said to ``progress``.
 
     Raises:
         BadInput: ``jobs`` below 1, or a scenario that does not fit the robot.

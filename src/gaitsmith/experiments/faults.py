@@ -51,8 +51,6 @@ def run_faults(
     """Run the matrix; ``faults.json`` is written to the folder of results too.
 
     Args:
-        options: what is to fail.
-        progress: told after every episode.
         address: of a Ray cluster instead of processes here.
         fields: of the scenario, put over every episode's.
 

@@ -134,7 +134,6 @@ def judge(
     """Judge a trial by its worst episode; a fall too many is a miss whatever the numbers say.
 
     Args:
-        limits: to keep.
         reported: quantities without a limit; of several episodes the value farthest from zero.
         episodes: measured quantities of each finished episode.
         falls: how many of them fell.

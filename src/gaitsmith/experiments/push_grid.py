@@ -89,7 +89,6 @@ class PushGrid:
         """The episode of one cell: stand, walk, settle, be pushed, survive.
 
         Args:
-            cell: direction and phase.
             impulse: instead of the grid's, N·s.
 
         Raises:
@@ -136,7 +135,6 @@ class GridOutcome:
     """What became of a grid; cells that were not run are absent.
 
     Attributes:
-        grid: the grid.
         found: summaries by cell.
     """
 

@@ -73,7 +73,6 @@ class Walks:
     """Random walks that were run, by seed, in order.
 
     Attributes:
-        found: summaries by seed.
         interval: of the share that stands; it holds at whichever look the walks were stopped.
         interrupted: whether Ctrl-C left some out.
     """
@@ -124,15 +123,11 @@ def run_walks(
     the error (Bonferroni), so that the interval holds with 95 % whichever look is the last.
 
     Args:
-        robot: that walks.
-        store: of finished runs.
         fields: of the scenario, put over what is drawn.
         runs: at most.
         first: seed.
         target: share that is to be decided upon; None to run all.
-        jobs: processes.
         address: of a Ray cluster instead; empty for none.
-        progress: told after every walk.
     """
     planned = looks(runs, target)
     confidence = 1.0 - (1.0 - CONFIDENCE) / len(planned)

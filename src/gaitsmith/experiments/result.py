@@ -23,10 +23,7 @@ class Result:
     """An experiment's outcome.
 
     Attributes:
-        document: everything, as JSON has it.
-        columns: headings of the table.
         rows: of the table, in words.
-        notes: lines below it.
         interrupted: whether Ctrl-C cut it short; what was finished is kept and reported.
     """
 

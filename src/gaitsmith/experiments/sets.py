@@ -89,9 +89,7 @@ class Trial:
     """A trial for one robot: an episode for each seed, and limits of the robot's size.
 
     Attributes:
-        entry: as the set has it.
         scenarios: one for each seed.
-        limits: to keep in every episode.
     """
 
     entry: TrialEntry
@@ -122,10 +120,6 @@ class TrialSet:
     """Trials and grids for one robot.
 
     Attributes:
-        name: of the set.
-        robot: as loaded.
-        trials: in the order of the file.
-        grids: likewise.
         base: scenario fields that hold throughout: robot, preset, and the gait file if one was given.
     """
 
@@ -151,7 +145,6 @@ def load_set(
         robot: name or path; the set's own if None.
         preset: control parameters, for the trials that do not name their own.
         gait: planned gait that every trial walks; None for the template.
-        engine: of the physics.
 
     Raises:
         BadInput: the set, the robot or the preset cannot be used.

@@ -25,10 +25,8 @@ class Lines(dict[str, Any]):
 
     Args:
         folder: created if it is not there.
-        name: of the file.
 
     Attributes:
-        path: of the file.
         damaged: lines that could not be read.
 
     Raises:

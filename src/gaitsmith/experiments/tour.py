@@ -79,8 +79,6 @@ def run_tour(
     """Run the test; see :mod:`gaitsmith.simulation.tour`. ``tour.json`` is written to the folder of results too.
 
     Args:
-        options: what is to be run.
-        progress: told after every episode.
         address: of a Ray cluster instead of processes here.
         fields: of the scenario, put over every run's.
 

@@ -72,7 +72,6 @@ def standing_posture(robot: Robot, height: float, width: float, com_ahead: float
     the legs are at home.
 
     Args:
-        robot: the robot.
         height: hip midpoint above the soles, m.
         width: half the distance between the soles' origins, m.
         com_ahead: of the centre of mass, forward from the soles' origins, m.

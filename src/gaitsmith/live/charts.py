@@ -123,8 +123,6 @@ class Charts:
     """The charts on a page.
 
     Args:
-        server: that shows them.
-        history: what they show.
         without: names of charts that say nothing here.
     """
 

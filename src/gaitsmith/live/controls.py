@@ -63,9 +63,7 @@ class Controls:
     """What can be asked of a walk.
 
     Args:
-        server: that shows them.
         robot: whose card limits the gait.
-        desk: for the wishes.
         gait: the inputs at the beginning, by name; empty if a plan is followed.
 
     Attributes:

@@ -27,7 +27,6 @@ class Mesh(NamedTuple):
     """Triangles of one body.
 
     Attributes:
-        body: its number.
         vertices: (n, 3) body frame, m.
         faces: (m, 3) numbers of vertices.
         colour: red, green, blue, 0 to 255.

@@ -29,7 +29,6 @@ class Ring:
 
     Attributes:
         name: to open it with in another process.
-        columns: numbers in a row.
     """
 
     def __init__(self, columns: int, rows: int, name: str | None = None) -> None:

@@ -71,17 +71,11 @@ class Page:
     """The page of a walk.
 
     Args:
-        server: that shows it.
-        robot: that walks.
         frame: laid out as the frames are.
         frames: from the loop.
         note: from the loop.
         desk: to the loop.
         scenario: fields of the walk's scenario.
-
-    Attributes:
-        words: of the note.
-        frame: shown last.
     """
 
     def __init__(

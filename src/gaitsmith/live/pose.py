@@ -19,9 +19,6 @@ _TOUCHES = 0.01  # share of the weight on a sole that bears
 class Pose:
     """A robot in a frame; SI units, world axes.
 
-    Args:
-        robot: whose frames these are.
-
     Attributes:
         body_position: (nbody, 3) views that :meth:`take` changes.
         body_quaternion: (nbody, 4) w x y z.

@@ -22,7 +22,6 @@ class Recording:
     """Observer that writes a log while it is asked to; its time begins with the recording.
 
     Args:
-        simulation: that is recorded.
         parent: folder in which each recording gets one of its own, named after the time of day.
 
     Attributes:

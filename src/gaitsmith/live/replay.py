@@ -32,10 +32,6 @@ _HINT = (
 class Replay:
     """A recorded run on a page.
 
-    Args:
-        run: to show.
-        host, port: where the page is to be found.
-
     Attributes:
         address: to open in a browser.
         at: the time that is shown, s.

@@ -28,8 +28,6 @@ class Run:
     Attributes:
         path: of the log.
         log: as far as it is whole.
-        robot: that walked.
-        scenario: what was run.
         fall: None without one.
         notes: what a viewer should know, in words.
         frame: the present row.

@@ -47,11 +47,6 @@ _PUSH_SEEN = 0.5  # s for which a push stays to be seen
 class Scene:
     """Robot, ground and overlays.
 
-    Args:
-        server: that shows them.
-        robot: to show.
-        balls: that lie in its world.
-
     Attributes:
         pose: of the robot as shown last.
         follow: whether the picture moves with the robot.

@@ -55,10 +55,8 @@ class Server:
     Args:
         listening: where it is to be found.
         token: that the address must carry; empty for none.
-        title: of the page.
 
     Attributes:
-        guard: in front of it.
         scene, gui: of viser.
         address: to open in a browser.
     """

@@ -31,9 +31,6 @@ class WalkLost(GaitsmithError):
 class Walk:
     """A control loop in a process of its own.
 
-    Args:
-        request: what to walk.
-
     Attributes:
         frames, note: from the loop.
         wishes: to it.
@@ -97,13 +94,10 @@ class Session:
 
     Args:
         scenario: fields of the walk's scenario.
-        robot: that walks.
         host, port: where the page is to be found; another address than this machine's own needs a token, which is made.
-        recordings: folder for recordings.
 
     Attributes:
         address: to open in a browser.
-        page: that shows the walk.
 
     Raises:
         BadInput: the port is in use, or the scenario cannot be run.

@@ -62,9 +62,6 @@ class Steering:
 class Shoves:
     """Observer that pushes the torso as somebody wishes, and tells the other observers.
 
-    Args:
-        simulation: with the robot.
-
     Attributes:
         force: (3,) that acts now, world, N.
     """

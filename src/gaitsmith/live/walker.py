@@ -50,14 +50,11 @@ class Walker:
     """One walk after the other, as somebody steers.
 
     Args:
-        request: what to walk.
-        wishes: what is asked for.
         pace: of the loop; by the wall clock if None.
 
     Attributes:
         frames: rows for the page.
         note: words for the page.
-        frame: the present row.
         first: whether ticks go ahead of ordinary processes.
 
     Raises:
@@ -297,7 +294,6 @@ def serve(connection: Connection, wishes: str, request: Request) -> None:
     Args:
         connection: gets the names of the shared memory and of the numbers in a frame, or why it cannot be done.
         wishes: name of the ring with wishes.
-        request: what to walk.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the page's process hears it, and ends this one
     os.environ.setdefault("OMP_NUM_THREADS", "1")

@@ -41,7 +41,6 @@ class Topic(NamedTuple):
     """Where further messages go.
 
     Attributes:
-        name: of the topic.
         schema: name of the messages' schema; empty for JSON.
         descriptor: the schema, a set of Protocol Buffers' file descriptors.
     """
@@ -71,7 +70,6 @@ class ChunkWriter:
     Args:
         file: unbuffered, at its beginning.
         head: written at once.
-        topics: of further messages.
 
     Attributes:
         rows: written so far.

@@ -105,7 +105,6 @@ def filled(form: Form, values: Array, stamps: Stamps) -> Bytes:
     """(n, size) messages.
 
     Args:
-        form: of all of them.
         values: (n, m) numbers that are filled in.
         stamps: (n,) times, ns.
     """

@@ -107,7 +107,6 @@ class Recorder:
     Args:
         file: unbuffered, at its beginning; stays the caller's to close.
         sources: buffers that hold a row's numbers, one after the other; the first number is the time, s.
-        columns: names of all numbers.
         notes: what is run, as plain data.
         decimation: control ticks per row.
         scene: what other programs draw; nothing without one.
@@ -219,7 +218,6 @@ def read_log(path: str | Path, last: int | None = None) -> Log:
     """Log that a run or :meth:`Log.write` wrote, as far as it is whole; :attr:`Log.complete` says whether it is.
 
     Args:
-        path: of the file.
         last: most rows to keep in memory, the latest ones; None keeps all.
 
     Raises:

@@ -42,7 +42,6 @@ def crash_page(document: Mapping[str, Any], picture: Figure | None = None) -> st
 
     Args:
         document: of :func:`gaitsmith.experiments.run_crash`.
-        picture: the map of pushes.
     """
     page = Page(f"Crash test of {document['robot']}", f"{document['controller']}, preset {document['preset']}")
     page.table(("part", "outcome"), rows_of(document), left=(0, 1))

@@ -31,13 +31,7 @@ Tell = Callable[[str, str, float | None, float | None], None]
 
 @dataclass(frozen=True)
 class Demo:
-    """What the demonstration did.
-
-    Attributes:
-        page: the HTML file.
-        profile: the speed profile's run.
-        planned: runs of the planned motions, by name.
-    """
+    """What the demonstration did."""
 
     page: Path
     profile: Run

@@ -25,11 +25,9 @@ class LogSource:
     """A log that is read block by block, however long it is.
 
     Args:
-        path: of the log.
         tell: hears of the time of the last row read, s.
 
     Attributes:
-        head: columns and notes.
         rows: read so far.
         complete: after the last block, whether the log was finished.
         events: read so far.

@@ -36,12 +36,7 @@ _HEAD = """<!doctype html>
 
 
 class Page:
-    """A page that is written from top to bottom; whatever it is given is text, never markup.
-
-    Args:
-        title: of the page.
-        lead: a line below.
-    """
+    """A page that is written from top to bottom; whatever it is given is text, never markup."""
 
     def __init__(self, title: str, lead: str = "") -> None:
         self._parts = [_HEAD.format(title=escape(title), style=_STYLE), f"<h1>{escape(title)}</h1>\n"]

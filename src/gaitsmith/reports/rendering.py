@@ -31,11 +31,7 @@ class Renderer:
     """Draws a robot at any state; to be closed.
 
     Args:
-        robot: to draw.
         size: width and height, pixels.
-        terrain: that it stands on.
-        region: of the ground.
-        ball: one more thing in the world.
 
     Raises:
         NoRenderer: neither EGL nor OSMesa can be had.

@@ -27,8 +27,6 @@ class Run:
     """A run.
 
     Attributes:
-        folder: where it is.
-        scenario: what was run.
         robot: that was run, as its files are now.
         log: its last rows, ten minutes at most.
         summary: in numbers; from the log where the run was killed before it wrote one.
@@ -88,7 +86,6 @@ def make_run(
     """Walk a scenario and leave a complete run in a new folder.
 
     Args:
-        scenario: to walk.
         folder: new.
         tell: hears of the simulated time, s.
         watch: makes one more observer.

@@ -25,7 +25,6 @@ def run_page(run: Run, figures: bool = True) -> str:
     """The page of a run as HTML that opens without a network.
 
     Args:
-        run: to show.
         figures: whether to draw them, which takes most of the time.
     """
     summary = run.summary

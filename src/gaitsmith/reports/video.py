@@ -39,8 +39,6 @@ def write_video(run: Run, path: Path, speed: float, tell: Callable[[int, int], N
     """Write a run as MP4; the file appears whole or not at all. Returns the number of pictures.
 
     Args:
-        run: to show.
-        path: of the file.
         speed: 1 is real time, 0.25 slow motion.
         tell: hears of pictures done and of all.
 

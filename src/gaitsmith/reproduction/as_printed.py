@@ -33,7 +33,6 @@ class Deviation:
     """One thing set back to the print.
 
     Attributes:
-        name: of a table's row.
         numbers: the preset's that do it, by group.
         half_width: what the controller believes of the soles, m; None for what they are.
         says: the print's own form.

@@ -29,7 +29,6 @@ class Real(NamedTuple):
     """A run beside its plan at n instants.
 
     Attributes:
-        run: the run.
         time: (n,) s.
         zmp, com: (n, 2) real, world, m; the ZMP is NaN in the air.
         plan: the plan at these instants.

@@ -60,7 +60,6 @@ class Reproduction:
     """What was made.
 
     Attributes:
-        page: the HTML file.
         rows: of every figure that was asked for.
         failed: why an experiment has none.
         interrupted: whether a signal left some out.
@@ -93,7 +92,6 @@ def reproduce(figures: Sequence[str], folder: Path, jobs: int, advance: Advance)
     Args:
         figures: from :func:`chosen`.
         folder: new or empty.
-        jobs: processes.
         advance: hears of experiments done, of all, and what is going on.
 
     Raises:

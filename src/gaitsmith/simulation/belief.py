@@ -16,8 +16,6 @@ class Belief:
     """Fills the columns of the truth from telemetry; positions are dead reckoning, ground contacts of bodies unknown.
 
     Args:
-        telemetry: of the controller.
-        legs: their names.
         dt: s from tick to tick.
 
     Attributes:

@@ -29,7 +29,6 @@ class BulletModel:
     """A URDF file and how its links belong to the model.
 
     Attributes:
-        path: of the file.
         link_names: (bodies,) name of the link with each body's mass and shapes; empty for the world.
         joint_names: of every actuated joint, in joint order.
     """
@@ -45,7 +44,6 @@ def write_model(model: mujoco.MjModel, bodies: int, folder: Path) -> BulletModel
     Args:
         model: robot first, ground and props behind it.
         bodies: of the robot, the world included.
-        folder: where the file goes.
 
     Raises:
         BadInput: a joint or a shape that Bullet does not have.

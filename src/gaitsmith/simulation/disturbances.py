@@ -64,10 +64,8 @@ class StrideClock:
 
         Args:
             time: s.
-            walking: whether the controller walks.
             stance: 0 left, 1 right, 2 both.
             step_time: since the step began, s.
-            step_count: steps taken.
             period: commanded step duration, s; stands in until one step has been measured.
         """
         if stance > 1 and self._stance < 2:
@@ -95,8 +93,6 @@ class Pushes:
     """Applies pushes to a plant, once a control tick.
 
     Args:
-        pushes: in any order.
-        plant: what is pushed.
         control_step: s; a push lasts a whole number of these, and its force makes up for the rounding.
 
     Attributes:
@@ -157,12 +153,8 @@ class Disturber:
 
     Args:
         pushes: in any order.
-        plant: what is pushed.
         columns: telemetry of the controller, whose stride has a phase.
         tell: hears of the beginning and the end of every push.
-
-    Attributes:
-        pushes: as they go.
     """
 
     def __init__(

@@ -58,7 +58,6 @@ class Episode:
     """A finished run.
 
     Attributes:
-        summary: in numbers.
         file: of the log; None if it was not recorded.
         interrupted: whether a signal cut it short; summary and log hold everything up to then.
     """
@@ -77,7 +76,6 @@ class Simulation:
     """A run that can be stepped.
 
     Args:
-        scenario: what to run.
         robot: instead of loading the scenario's.
         controller: instead of making one from the scenario; it is reset.
         record: whether to keep a log, in a temporary file; or the path of a new file, or what opens one, unbuffered,
@@ -88,9 +86,7 @@ class Simulation:
 
     Attributes:
         robot, plant, controller: the closed loop's parts.
-        loop: that closes it.
         columns: telemetry of the controller and the plant's truth, by name.
-        fall: the fall, None while upright.
         ticks: after which it is over, if nothing ends it before.
 
     Raises:

@@ -70,11 +70,9 @@ class Steered:
     """Commands of a library walk: takes orders as any walk does, and follows the plan that they make.
 
     Args:
-        family: the library.
         controller: that follows its plan.
         orders: speed, lift and period as commands; walk and stand as actions.
         given: gait inputs at first.
-        tell: told what was ordered.
         speed_unit: √(gz) of the robot, m/s.
 
     Attributes:

@@ -115,7 +115,6 @@ class Loop:
     """A closed loop that can be stepped.
 
     Args:
-        backend: what is controlled.
         controller: told what the backend measures.
         commands: asked before every tick.
         observers: told of every tick, in order.

@@ -50,8 +50,6 @@ def controller_of(scenario: Scenario, robot: Robot, gait: GaitParameters, stoppe
 
     Args:
         scenario: names the preset, what is measured, and the process.
-        robot: that is controlled.
-        gait: first gait.
         stopped: told why, when another process is not asked any more.
     """
     if scenario.controller:
@@ -71,9 +69,6 @@ def commands_of(
     """Who tells the controller what: the scenario's own orders or others, through its library or policy.
 
     Args:
-        scenario: what is run.
-        controller: that is told.
-        family: of the scenario's library.
         step: of control, s.
         tell: says to observers what a library walk was told.
         given: instead of the scenario's own orders.

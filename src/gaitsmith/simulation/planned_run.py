@@ -85,9 +85,6 @@ class Tracked:
     """Watches how well a plan is followed; its x axis is the world's.
 
     Args:
-        plan: that is followed.
-        controller: that follows it.
-        plant: with the robot.
         tell: told once when the plan leaves its loop; None for a plan that is steered, whose orders say so.
     """
 

@@ -47,7 +47,6 @@ class Plant:
     """Rigid-body physics of one robot on one terrain.
 
     Args:
-        robot: from :func:`gaitsmith.robots.load_robot`.
         terrain: the ground; level around the origin.
         sensors: sensor errors; None measures the true state.
         joint_friction: Coulomb friction at every joint, N·m.
@@ -57,10 +56,8 @@ class Plant:
         mass_factor: on every mass and inertia of the robot.
         mass_spread: each body's mass and inertia differ by up to this share besides, drawn from the seed.
         torso_shift: (3,) by which the torso's centre of mass is not where the card has it, torso axes, m.
-        seed: of everything random.
         region: where boxes or a slope are needed; beyond it boxes give way to the level plane.
         props: what else lies in the world.
-        passing: whether the legs pass through each other.
         physics_step: s.
         control_step: s, a whole number of physics steps.
 

@@ -46,7 +46,6 @@ class BallState:
         velocity: (3,) view.
 
     Attributes:
-        position, velocity: these views.
         top_speed: largest so far, m/s.
     """
 

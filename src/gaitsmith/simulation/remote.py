@@ -40,9 +40,6 @@ class _Failed(Exception):
 class Line:
     """A connection that sends and receives lines of JSON.
 
-    Args:
-        port: of this machine.
-
     Raises:
         BadInput: nobody listens there.
     """
@@ -131,10 +128,8 @@ class RemoteController(Controller):
     """A controller of which only the telemetry is here.
 
     Args:
-        robot: that is controlled.
         preset: whose limits apply.
         state: what is measured: ``true``, or ``estimated`` by sensors.
-        gait: first gait.
         port: of this machine, where the process listens.
         stopped: told why, when the process is not asked any more.
 

@@ -49,7 +49,6 @@ def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int], 
     """The fall that a monitor has just seen.
 
     Args:
-        monitor: of the run.
         time: s.
         phase: of the step, in words.
         refused: ticks with replaced readings, by sensor.
@@ -69,9 +68,6 @@ def sum_up(scenario: Scenario, robot: Robot, monitor: Monitor, columns: Columns,
     """A run in numbers.
 
     Args:
-        scenario: what was run.
-        robot: that was run.
-        monitor: that watched it.
         columns: telemetry and truth as they are at the end.
         rest: fields of the summary that none of these knows.
     """

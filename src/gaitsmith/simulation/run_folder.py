@@ -81,7 +81,6 @@ class NewFolder:
     """A folder, made with the parents that it lacks; all of them go again if nothing comes of it.
 
     Args:
-        path: of the folder.
         field: the flag.
     """
 

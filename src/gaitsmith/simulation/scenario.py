@@ -90,7 +90,6 @@ class Tour(Frozen):
     """One run of the teleoperation test, see :mod:`gaitsmith.simulation.tour`.
 
     Attributes:
-        id: of the run.
         forward: largest speed commanded forward and backward, m/s.
         lateral: largest speed commanded to either side, m/s.
         yaw_rate: largest rate commanded, rad/s.

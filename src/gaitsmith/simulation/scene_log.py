@@ -61,8 +61,6 @@ class SceneLog:
     """Makes the messages of the topics from rows.
 
     Args:
-        robot: that is run.
-        columns: of the rows.
         step: from row to row, s.
         ground: blocks of it beside the plane.
         lap: wall times of the control ticks since it was called last; None where nobody measures them.

@@ -45,10 +45,7 @@ class SensorNoise(Frozen):
         """Endless blocks of noise, one row a sample: gyro (3), accelerometer (3), attitude (3), encoders, soles.
 
         Args:
-            n_joints: encoders.
-            n_soles: force sensors.
             weight: of the robot, N.
-            seed: of the noise.
         """
         body, soles = np.random.default_rng([seed, 0xB2]), np.random.default_rng([seed, 0xB4])
         scale = np.repeat([self.gyro, self.accelerometer, self.attitude, self.encoder], [3, 3, 3, n_joints])

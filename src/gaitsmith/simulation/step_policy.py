@@ -127,7 +127,6 @@ def adjustable(names: Iterable[str], limits: GaitLimits, ranges: Mapping[str, Se
 
     Args:
         names: of gait inputs, of :data:`ADJUSTABLE`.
-        limits: of the robot.
         ranges: (lowest, highest) by name where it is narrower than the limits.
 
     Raises:
@@ -175,7 +174,6 @@ class PolicyCommands:
 
     Args:
         script: gives speeds, and when to walk and stand.
-        controller: that walks.
         policy: made for its robot.
     """
 
@@ -197,10 +195,6 @@ class PolicyCommands:
 
 class OnnxPolicy:
     """A policy of an ONNX file.
-
-    Args:
-        path: of the file.
-        robot: that it is to walk.
 
     Raises:
         BadInput: no file, none that ONNX Runtime reads, made for other joints, other numbers or other ranges; or ONNX

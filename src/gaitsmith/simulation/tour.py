@@ -62,8 +62,6 @@ def punches(run_id: int, robot: Robot, begin: float, factor: float = 1.0) -> tup
     """The punches of a run, each on a joint's body at the joint's anchor.
 
     Args:
-        run_id: of the run.
-        robot: whose joints are hit.
         begin: of the walk, s.
         factor: on every force; 0 for none.
     """
@@ -89,7 +87,6 @@ class ArmWalk:
 
     Args:
         robot: with or without arms.
-        run_id: of the run.
         home: (nj,) first posture, rad.
     """
 
@@ -167,9 +164,7 @@ class Guide:
     """Leads a robot through a tour: a source of commands, and an observer that keeps the score.
 
     Args:
-        tour: the run.
         plant: with the robot; its true place and heading are known to the guide.
-        controller: of the robot.
         begin: of the walk, s.
     """
 

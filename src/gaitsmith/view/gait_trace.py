@@ -21,14 +21,11 @@ class GaitTrace:
     """A gait sampled at N instants.
 
     Args:
-        gait: to draw.
-        robot: of the gait.
         steps: of a cyclic gait.
 
     Attributes:
         title: robot, motion, and in a second line what it was planned for and its objective.
         time: (N,) s.
-        samples: of the gait.
         bodies: (N, bodies, 3) places, m.
         soles, edges: (legs, N, 2, 3) heel and toe, and the sole's left and right, m.
         head: (N, 3) the torso's centre of mass, m.

@@ -23,7 +23,6 @@ def draw_library(spec: Spec, records: Mapping[str, Record]) -> Figure:
     A panel for every step height.
 
     Args:
-        spec: the grid.
         records: what became of its points, by key.
     """
     speeds, heights, periods = spec.axes

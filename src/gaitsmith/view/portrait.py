@@ -33,9 +33,7 @@ class Portrait:
     """What is drawn, in the world: x forward, y left, z up, m.
 
     Attributes:
-        title: of the figure.
         bones: (n, 2, 3) ends of the links.
-        joints: all of them.
         soles: (n, 3) corners of each sole.
         com: (3,) centre of mass.
         named: joints whose names are written, such as those of the left leg.

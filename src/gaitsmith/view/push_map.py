@@ -26,7 +26,6 @@ def draw_push_map(
     """Polar map of survival: one sector per direction of the push, one ring per phase of the stride.
 
     Args:
-        title: of the figure.
         seconds: (n_directions, n_phases) time upright after the push, s; NaN where not run. Directions go evenly
             counter-clockwise from forward, phases evenly from the beginning of a left stance.
         limit: time that counts as survived, s.

@@ -44,7 +44,6 @@ class Recording:
     Attributes:
         title: the robot, for the figures' titles.
         conditions: gait, preset, state, ground and seed, for the line below.
-        pushes: of the run.
         time: (n,) s.
         speed_command, speed: (n, 2) forward and lateral, of the CoM in the heading frame, m/s.
         tilt: (n, 2) roll and pitch of the torso, rad.

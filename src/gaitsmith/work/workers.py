@@ -113,7 +113,6 @@ def workers(jobs: int = 1, address: str = "") -> Iterator[Workers]:
     """Processes to work with.
 
     Args:
-        jobs: processes of this machine.
         address: ``host:port`` of a Ray cluster instead; empty for none.
 
     Raises:
