@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gaitsmith.cli.dispatch import Styled, Table, Text
-from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row, stride_lines
+from gaitsmith.simulation.stage_table import STAGE_HEADINGS, run_lines, stage_row
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
     from gaitsmith.simulation import Summary
-    from gaitsmith.simulation.summary import Tracking
 
 _SHOWN_FAULTS = 12
-_TURN = 5.0  # degrees; a smaller one is a wobble
 
 
 def report(summary: Summary, robot: Robot, folder: Path | None, ours: bool = True) -> Iterator[Text]:
@@ -55,19 +53,7 @@ def _joint_table(summary: Summary, robot: Robot) -> Table:
 
 def closing_lines(summary: Summary) -> list[str]:
     """Everything else, a line each."""
-    tick, qp = summary.tick_us, summary.qp
-    lines = [
-        f"walked {summary.distance:.2f} m in {summary.steps} steps; farthest from the start {summary.drift:.3f} m; "
-        f"heading {summary.heading_deg[0]:+.1f} to {summary.heading_deg[1]:+.1f}°",
-        f"foot separation at least {100 * summary.min_foot_separation:.1f} cm; leg contacts {summary.leg_contacts}",
-        f"tick {tick.median:.1f} µs median, {tick.p99:.1f} µs in 99 %, {tick.max:.0f} µs longest, "
-        f"{tick.overruns} over the control period",
-        f"whole-body QP: {qp.solves} solved, {qp.fallbacks} fallbacks, {qp.infeasible} infeasible",
-        f"{summary.duration:.2f} s simulated, {summary.realtime_factor:.1f} times real time",
-    ]
-    lines += stride_lines(summary)
-    if summary.tracking is not None:
-        lines += tracking_lines(summary.tracking)
+    lines = run_lines(summary)
     if summary.log is not None:
         lines.append(f"log: {summary.log.rows} rows, {summary.log.dropped} dropped")
     lines += [f"{f.time:.3f} s: {f.component}, {f.type}: {f.reaction}" for f in summary.faults[:_SHOWN_FAULTS]]
@@ -77,22 +63,3 @@ def closing_lines(summary: Summary) -> list[str]:
     if refused:
         lines.append(f"ticks with replaced readings: {refused}")
     return lines + [f"physics engine: {warning}" for warning in summary.warnings]
-
-
-def tracking_lines(tracking: Tracking) -> list[str]:
-    """How well a planned gait was followed, a line each."""
-    tilt, pitch, ball = tracking.tilt_deg, tracking.foot_pitch_deg, tracking.ball
-    lines = [
-        f"plan: {tracking.distance:.3f} of {tracking.planned_distance:.3f} m; torso off by at most "
-        f"{tilt['roll']:.2f}° roll, {tilt['pitch']:.2f}° pitch; real ZMP {tracking.zmp_rms_mm:.1f} mm off (rms)"
-    ]
-    if abs(tracking.planned_turn_deg) > _TURN:
-        lines.append(f"turn: {tracking.turn_deg:.1f} of {tracking.planned_turn_deg:.1f}°")
-    if pitch is not None:
-        lines.append(
-            f"foot pitch: heel strike {pitch.strike:.1f} of {pitch.planned_strike:.1f}°, "
-            f"toe-off {pitch.off:.1f} of {pitch.planned_off:.1f}°"
-        )
-    if ball is not None:
-        lines.append(f"ball: {ball.speed:.2f} of {ball.planned_speed:.2f} m/s, went {ball.travel:.2f} m")
-    return lines

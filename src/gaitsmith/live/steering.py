@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.live.wishes import HOLD_TIME, PUSH_TIME
-from gaitsmith.simulation.loop import Order
+from gaitsmith.simulation.loop import Observer, Order
 
 if TYPE_CHECKING:
     from gaitsmith.simulation.episode import Simulation
@@ -59,7 +59,7 @@ class Steering:
         return due
 
 
-class Shoves:
+class Shoves(Observer):
     """Observer that pushes the torso as somebody wishes, and tells the other observers.
 
     Attributes:
@@ -112,6 +112,3 @@ class Shoves:
                 self._simulation.loop.tell({"push": self._held_number, "over": True})
         self._simulation.plant.push(self.force)
         return False
-
-    def hear(self, event: Mapping[str, Any]) -> None:
-        """Nothing that happens once matters here."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +12,7 @@ import numpy.typing as npt
 from gaitsmith.errors import GaitsmithError
 from gaitsmith.files import open_regular, replacing
 from gaitsmith.log.mcap_file import ChunkReader, Event, Head
+from gaitsmith.log.table import write_table
 
 Rows = npt.NDArray[np.float64]
 Tell = Callable[[float], None]
@@ -56,19 +55,8 @@ class LogSource:
 
 
 def write_csv(source: LogSource, path: Path) -> None:
-    """One line of names, one line a row; numbers read back to the last bit.
-
-    Raises:
-        BadInput: the file cannot be written.
-    """
-    with replacing(path) as file:
-        text = io.TextIOWrapper(io.BufferedWriter(file), encoding="utf-8", newline="")
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(source.head.columns)
-        for block in source:
-            writer.writerows(block.tolist())
-        text.flush()
-        text.detach().detach()
+    """As :func:`gaitsmith.log.table.write_table`."""
+    write_table(path, source.head.columns, source)
 
 
 def write_npz(source: LogSource, path: Path) -> None:

@@ -7,7 +7,7 @@ import shlex
 from gaitsmith.reports.page import Page
 from gaitsmith.reports.run import Run
 from gaitsmith.simulation.run_folder import scenario_toml
-from gaitsmith.simulation.stage_table import STAGE_HEADINGS, stage_row, stride_lines
+from gaitsmith.simulation.stage_table import STAGE_HEADINGS, run_lines, stage_row
 from gaitsmith.simulation.summary import Summary
 from gaitsmith.view import suitable
 
@@ -79,27 +79,8 @@ def numbers(page: Page, summary: Summary) -> None:
         for name, peak in summary.torque_peak.items()
     ]  # fmt: skip
     page.table(headings, rows)
-    page.text(
-        f"{summary.steps} steps, {summary.distance:.2f} m; farthest from the start {summary.drift:.3f} m; heading "
-        f"{summary.heading_deg[0]:+.1f} to {summary.heading_deg[1]:+.1f}°; soles never closer than "
-        f"{100.0 * summary.min_foot_separation:.1f} cm; {summary.leg_contacts} contacts between the legs."
-    )
-    if lines := stride_lines(summary):
-        page.text("; ".join(lines).capitalize() + ".")
-    tick = summary.tick_us
-    if tick.median:
-        page.text(
-            f"Control tick {tick.median:.1f} µs median, {tick.p99:.1f} µs in 99 %, {tick.max:.0f} µs longest, "
-            f"{tick.overruns} over the control period; {summary.realtime_factor:.1f} times real time."
-        )
-    if (track := summary.tracking) is not None:
-        page.text(
-            f"Plan: {track.distance:.3f} of {track.planned_distance:.3f} m; torso off by at most "
-            f"{track.tilt_deg['roll']:.2f}° roll, {track.tilt_deg['pitch']:.2f}° pitch; "
-            f"real ZMP {track.zmp_rms_mm:.1f} mm off (rms)."
-        )
-        if track.ball is not None:
-            page.text(f"Ball: {track.ball.speed:.2f} of {track.ball.planned_speed:.2f} m/s.")
+    for line in run_lines(summary):
+        page.text(f"{line[0].upper()}{line[1:]}.")
 
 
 def faults(page: Page, run: Run) -> None:

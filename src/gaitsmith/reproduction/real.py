@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +12,7 @@ from gaitsmith.reports.run import Run, make_run
 from gaitsmith.reproduction.finding import Tell
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.episode import Simulation
+from gaitsmith.simulation.loop import Observer
 from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.synthesis.files.gait_file import write_gait
@@ -46,7 +46,7 @@ class Real(NamedTuple):
     ball: Array | None = None
 
 
-class _Seen:
+class _Seen(Observer):
     """Notes ZMP and centre of mass as the run goes."""
 
     def __init__(self, simulation: Simulation) -> None:
@@ -59,9 +59,6 @@ class _Seen:
             balls = [float(part) for ball in self._plant.balls for part in ball.position]
             self.rows.append((self._plant.time, *zmp, *self._plant.com[:2].tolist(), *balls))
         return False
-
-    def hear(self, event: Mapping[str, Any]) -> None:
-        """Nothing that happens once matters here."""
 
 
 def walk_plan(gait: Gait, robot: Robot, name: str, folder: Path, tell: Tell, steps: int = 1) -> Real:

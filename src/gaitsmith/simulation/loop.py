@@ -108,7 +108,7 @@ class Observer(Protocol):
         """Take note of a tick, after control and before the step; True ends the run."""
 
     def hear(self, event: Mapping[str, Any]) -> None:
-        """Take note of what happens once: an order, a push; ``event`` has its ``time``, s since the run began."""
+        """Take note of what happens once, if it matters: an order, a push; ``event`` has its ``time``, s of the run."""
 
 
 class Loop:

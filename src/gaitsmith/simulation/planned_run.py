@@ -11,6 +11,7 @@ import numpy as np
 from gaitsmith.control import Controller
 from gaitsmith.planned import Plan
 from gaitsmith.robots import Robot
+from gaitsmith.simulation.loop import Observer
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.props import Ball
 from gaitsmith.simulation.scenario import Scenario
@@ -81,7 +82,7 @@ def region_of(plan: Plan | None, scenario: Scenario) -> Region:
     return Region((back + x.min(), front + x.max()), (right + y.min(), left + y.max()))
 
 
-class Tracked:
+class Tracked(Observer):
     """Watches how well a plan is followed; its x axis is the world's.
 
     Args:
@@ -124,9 +125,6 @@ class Tracked:
             self._zmp[0] += float(np.sum((planned - real) ** 2))
             self._zmp[1] += 1.0
         return self._controller.plan_ended and not self.plan.at_rest[1]
-
-    def hear(self, event: Mapping[str, Any]) -> None:
-        """Nothing that happens once matters here."""
 
     def _note(self, kind: str, pitch: float) -> None:
         self._pitch[kind][0] += pitch

@@ -7,7 +7,6 @@ each, arms that never rest. Streams of random numbers are drawn in the same sequ
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mujoco
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.simulation.disturbances import Push
-from gaitsmith.simulation.loop import Order
+from gaitsmith.simulation.loop import Observer, Order
 from gaitsmith.simulation.random_stream import RandomStream
 from gaitsmith.simulation.summary import TourReport
 
@@ -160,7 +159,7 @@ def _arms(robot: Robot, data: mujoco.MjData) -> tuple[npt.NDArray[np.int64], ...
     return left, right, sign
 
 
-class Guide:
+class Guide(Observer):
     """Leads a robot through a tour: a source of commands, and an observer that keeps the score.
 
     Args:
@@ -216,9 +215,6 @@ class Guide:
             power = self._controller.telemetry.torque * self._plant.v[6:]
             self._energy += float(np.abs(power).sum()) * self._plant.control_step
         return False
-
-    def hear(self, event: Mapping[str, Any]) -> None:
-        """Nothing that happens once matters here."""
 
     def report(self) -> TourReport:
         """The score so far; the waypoint that the robot is on its way to counts with its present error."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
-from gaitsmith.files import regular_target, write_bytes_atomic
+from gaitsmith.files import regular_target
 from gaitsmith.log.record import Log
+from gaitsmith.log.table import write_table
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.unrolled import UnrolledGait
@@ -38,11 +38,6 @@ def column_names(joints: tuple[str, ...]) -> list[str]:
     for side in ("left", "right"):
         found += [f"{side}_contact_force_{a} [N]" for a in _AXES] + [f"{side}_contact_moment_{a} [N.m]" for a in _AXES]
     return found
-
-
-def _quoted(name: str) -> str:
-    """A name as one field of a CSV table."""
-    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"') else name
 
 
 def _blocks(whole: UnrolledGait, count: int, rate: float, report: _Report | None) -> Iterator[Array]:
@@ -109,11 +104,7 @@ def export_gait(
     names = column_names(robot.joint_names)
     if form == "csv":
         whole, count = _prepared(gait, robot, rate, steps)
-        text = io.BytesIO()
-        text.write((",".join(map(_quoted, names)) + "\n").encode())
-        for block in _blocks(whole, count, rate, report):
-            text.write("".join(",".join(map(repr, row)) + "\n" for row in block.tolist()).encode())
-        write_bytes_atomic(path, text.getvalue())
+        write_table(path, names, _blocks(whole, count, rate, report))
         return count
     rows = gait_rows(gait, robot, rate, steps, report)
     notes = {"robot": gait.robot, "motion": gait.motion.name, "rate": rate}
