@@ -109,6 +109,7 @@ class Observer(Protocol):
 
     def hear(self, event: Mapping[str, Any]) -> None:
         """Take note of what happens once, if it matters: an order, a push; ``event`` has its ``time``, s of the run."""
+        return
 
 
 class Loop:
