@@ -9,6 +9,7 @@ import pytest
 from tests.adoption.made_up import MadeUp
 
 from gaitsmith.adoption import adopting
+from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.cli import main
 from gaitsmith.documents import toml
 from gaitsmith.errors import BadInput
@@ -97,20 +98,20 @@ def test_a_failure_half_way_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(adopting, "examine", fails)
     model = written(tmp_path / "in", MadeUp())
     with pytest.raises(KeyboardInterrupt):
-        adopting.adopt(adopting.Wishes(str(model), str(tmp_path / "out")))
+        adopting.adopt(AdoptOptions(model=str(model), out=str(tmp_path / "out")))
     assert [path.name for path in tmp_path.iterdir()] == ["in"]
 
 
 def test_a_folder_that_is_there_is_not_touched(tmp_path: Path) -> None:
     model = written(tmp_path / "in", MadeUp())
     with pytest.raises(BadInput, match="--out"):
-        adopting.adopt(adopting.Wishes(str(model), str(tmp_path / "in")))
+        adopting.adopt(AdoptOptions(model=str(model), out=str(tmp_path / "in")))
 
 
 def test_a_refusal_leaves_no_folder(tmp_path: Path) -> None:
     (tmp_path / "block.xml").write_text('<mujoco><worldbody><geom size=".1"/></worldbody></mujoco>')
     with pytest.raises(BadInput):
-        adopting.adopt(adopting.Wishes(str(tmp_path / "block.xml"), str(tmp_path / "new" / "robot")))
+        adopting.adopt(AdoptOptions(model=str(tmp_path / "block.xml"), out=str(tmp_path / "new" / "robot")))
     assert not (tmp_path / "new").exists()
 
 
@@ -119,7 +120,7 @@ def test_no_model(given: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "in").mkdir()
     monkeypatch.chdir(tmp_path)
     with pytest.raises(BadInput, match="MODEL"):
-        adopting.adopt(adopting.Wishes(given))
+        adopting.adopt(AdoptOptions(model=given))
 
 
 @pytest.mark.parametrize("value", ['a "quoted" name', [1, 2.5, -0.0], {"rpy": [0.0, 1e-7, 3.0]}, True, "ü\x7f\t"])

@@ -10,6 +10,7 @@ from tests.adoption.made_up import MadeUp
 from gaitsmith.adoption import adopting
 from gaitsmith.adoption.anatomy import find_anatomy
 from gaitsmith.adoption.holding import held_loads, too_weak, unlike_limits, why_weak
+from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.robots import Robot
 
 
@@ -28,7 +29,7 @@ def loaded(made: MadeUp, folder: Path, scene: str = "") -> Robot:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(adopting, "examine", examine)
         with pytest.raises(KeyboardInterrupt):
-            adopting.adopt(adopting.Wishes(str(folder / "walker.xml"), str(folder / "out")))
+            adopting.adopt(AdoptOptions(model=str(folder / "walker.xml"), out=str(folder / "out")))
     return seen[0]
 
 

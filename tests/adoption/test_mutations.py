@@ -12,6 +12,7 @@ from tests.adoption.made_up import MadeUp
 from tests.robots.test_mutations import mutated_models
 
 from gaitsmith.adoption import adopting
+from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.errors import BadInput
 
 LONGEST = 400  # characters of a message
@@ -33,7 +34,7 @@ def test_any_model_is_read_asked_about_or_refused(text: bytes) -> None:
         model, out = Path(name) / "model.xml", Path(name) / "out"
         model.write_bytes(text)
         try:
-            found = adopting.adopt(adopting.Wishes(str(model), str(out)))
+            found = adopting.adopt(AdoptOptions(model=str(model), out=str(out)))
         except Inferred:
             pass
         except BadInput as error:

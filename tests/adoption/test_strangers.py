@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from gaitsmith.adoption.adopting import Wishes, adopt
-from gaitsmith.adoption.soles import GivenSole
+from gaitsmith.adoption.adopting import adopt
+from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.errors import BadInput
 
 pytestmark = pytest.mark.strangers
 
-ALEXANDER_SOLE = GivenSole(0.055, 0.156, 0.048, 0.084)  # m; its model has no collision shapes
+ALEXANDER_SOLE = (0.055, 0.156, 0.048, 0.084)  # m; its model has no collision shapes
 
 
 @pytest.mark.parametrize(
@@ -27,14 +27,14 @@ ALEXANDER_SOLE = GivenSole(0.055, 0.156, 0.048, 0.084)  # m; its model has no co
         ("alexander_v1.lowerBodyOnly", ALEXANDER_SOLE),
     ],
 )
-def test_humanoids_are_adopted_and_walk(name: str, sole: GivenSole | None, tmp_path: Path) -> None:
-    adoption = adopt(Wishes(name, str(tmp_path / "out"), sole=sole, sheet=False))
+def test_humanoids_are_adopted_and_walk(name: str, sole: tuple[float, ...] | None, tmp_path: Path) -> None:
+    adoption = adopt(AdoptOptions(model=name, out=str(tmp_path / "out"), sole=sole, no_sheet=True))
     assert adoption.ok, [test.line() for test in adoption.tests]
 
 
 @pytest.mark.parametrize("name", ["alexander_v1.lowerBodyOnly", "simple_humanoid", "human"])
 def test_soles_of_feet_without_shapes_are_asked_for(name: str, tmp_path: Path) -> None:
-    adoption = adopt(Wishes(name, str(tmp_path / "out")))
+    adoption = adopt(AdoptOptions(model=name, out=str(tmp_path / "out")))
     assert adoption.card is None
     assert [entry["flag"] for entry in adoption.document["asked"]] == ["--sole"]
     assert not (tmp_path / "out").exists()
@@ -57,6 +57,6 @@ def test_soles_of_feet_without_shapes_are_asked_for(name: str, tmp_path: Path) -
 )
 def test_what_is_no_biped_is_refused_in_one_sentence(name: str, tmp_path: Path) -> None:
     with pytest.raises(BadInput) as caught:
-        adopt(Wishes(name, str(tmp_path / "out")))
+        adopt(AdoptOptions(model=name, out=str(tmp_path / "out")))
     assert "two legs" in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -9,7 +9,8 @@ import pytest
 from tests.experiments.made_up import made_up_summary
 
 from gaitsmith.adoption import tuning
-from gaitsmith.adoption.tuning import HELD_OUT, TUNED, Wishes, tune
+from gaitsmith.adoption.options import TuneOptions
+from gaitsmith.adoption.tuning import HELD_OUT, TUNED, tune
 from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.episodes import Episodes
@@ -36,7 +37,7 @@ def asked(monkeypatch):
 
 
 def test_the_best_is_judged_on_other_seeds_and_written_as_a_preset(tmp_path, asked):
-    found = tune(Wishes(robot="thbip_ii", candidates=10, runs=4, held_out=6, out=str(tmp_path)))
+    found = tune(TuneOptions(robot="thbip_ii", candidates=10, runs=4, held_out=6, out=str(tmp_path)))
     assert [len(group) for group in asked] == [4, 32, 8, 12]
     searched, judged = ({one.seed for group in part for one in group} for part in (asked[:3], asked[3:]))
     assert (len(searched), len(judged), searched & judged) == (4, 6, set())
@@ -56,7 +57,7 @@ def test_the_best_is_judged_on_other_seeds_and_written_as_a_preset(tmp_path, ask
 
 
 def test_the_same_seed_tries_the_same_and_nothing_worse_is_written(tmp_path, asked, monkeypatch):
-    wishes = Wishes(robot="thbip_ii", candidates=8, runs=4, held_out=4, out=str(tmp_path))
+    wishes = TuneOptions(robot="thbip_ii", candidates=8, runs=4, held_out=4, out=str(tmp_path))
     texts = []
     write = tuning._Bench.write
     monkeypatch.setattr(
@@ -67,19 +68,19 @@ def test_the_same_seed_tries_the_same_and_nothing_worse_is_written(tmp_path, ask
     tune(wishes)
     assert texts[:count] == texts[count:]
     monkeypatch.setattr(tuning, "withstood", lambda _: 0.1)
-    assert tune(Wishes(robot="thbip_ii", candidates=8, runs=4, held_out=4, out=str(tmp_path / "b"))).card is None
+    assert tune(TuneOptions(robot="thbip_ii", candidates=8, runs=4, held_out=4, out=str(tmp_path / "b"))).card is None
     assert not (tmp_path / "b" / "card").exists()
 
 
 def test_ctrl_c_writes_no_card_and_says_how_far_it_came(tmp_path, monkeypatch):
     monkeypatch.setattr(tuning, "run_all", lambda *_, **__: Episodes({}, True, 0))
-    found = tune(Wishes(robot="thbip_ii", out=str(tmp_path)))
+    found = tune(TuneOptions(robot="thbip_ii", out=str(tmp_path)))
     assert (found.interrupted, found.card, found.document["tried"]) == (True, None, 0)
 
 
 def test_an_unknown_preset_is_one_line(tmp_path):
     with pytest.raises(BadInput) as caught:
-        tune(Wishes(robot="thbip_ii", preset="odd", out=str(tmp_path / "out")))
+        tune(TuneOptions(robot="thbip_ii", preset="odd", out=str(tmp_path / "out")))
     assert caught.value.field == "--preset"
     assert not (tmp_path / "out").exists()
 

@@ -16,6 +16,7 @@ from gaitsmith.adoption.anatomy import Anatomy, Flags, find_anatomy
 from gaitsmith.adoption.card_text import CardDraft, Entry, draft_card
 from gaitsmith.adoption.feet import add_soles, sole_candidates
 from gaitsmith.adoption.holding import outside, too_weak, unlike_limits
+from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.adoption.picture import portrait_of
 from gaitsmith.adoption.refusals import Asked
 from gaitsmith.adoption.search import Found, search
@@ -39,32 +40,6 @@ _LESS = 0.02  # of a range: what is walked less than it is written into the card
 _CARD, _PICTURE, _RUNS = "card.toml", "robot.png", ".runs"
 
 
-@dataclass(frozen=True)
-class Wishes:
-    """What the user says.
-
-    Attributes:
-        model: path or name.
-        out: folder to write; None for one named after the robot.
-        name: of the robot; empty for the model file's.
-        feet, torso: bodies, where they are not to be inferred.
-        sole: the soles' size, for feet without shapes.
-        search: candidates at most, 0 for none.
-        sheet: whether to measure what it can do.
-    """
-
-    model: str
-    out: str | None = None
-    name: str = ""
-    feet: tuple[str, ...] = ()
-    torso: str = ""
-    sole: GivenSole | None = None
-    search: int = 40
-    seed: int = 0
-    jobs: int = 1
-    sheet: bool = True
-
-
 @dataclass
 class Adoption:
     """What came of it.
@@ -85,7 +60,7 @@ class Adoption:
         return bool(self.tests) and all(test.ok for test in self.tests)
 
 
-def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
+def adopt(options: AdoptOptions, progress: Progress = silent) -> Adoption:
     """Infer a card, test it, and write its folder.
 
     Raises:
@@ -93,17 +68,17 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
         KeyboardInterrupt: Ctrl-C; nothing is written.
     """
     progress(0, 0, "reading the model")
-    path = find_model(wishes.model)
-    if wishes.out:
-        check_new_folder(wishes.out)
+    path = find_model(options.model)
+    if options.out:
+        check_new_folder(options.out)
     found = open_model(path)
-    name = _robot_name(wishes, path, str(found.spec.modelname))
-    out = check_new_folder(wishes.out or name)
-    flags = Flags(wishes.feet, wishes.torso)
+    name = _robot_name(options, path, str(found.spec.modelname))
+    out = check_new_folder(options.out or name)
+    flags = Flags(options.feet, options.torso)
     anatomy: Anatomy | None = None
     try:
         anatomy = find_anatomy(found.model, found.entry, found.coupled, flags)
-        soles = _soles(found, anatomy, wishes.sole)
+        soles = _soles(found, anatomy, None if options.sole is None else GivenSole(*options.sole))
     except Asked as error:
         scene = _scene(path, flags) if error.flag == "--sole" else None
         if scene is None:
@@ -111,7 +86,7 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
         found, anatomy, soles = scene
     files = dict(found.files)
     model_file = next(iter(files))
-    if wishes.sole is not None:
+    if options.sole is not None:
         add_soles(files, found.model, anatomy, soles)
     welded = _welded(found, anatomy)
     draft = draft_card(name, model_file, found.model, anatomy, soles, welded)
@@ -126,15 +101,15 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
         store = Store(folder / _RUNS)
         doctor = examine(robot, str(folder), progress=progress)
         tried: Found | None = None
-        if doctor.standing.ok and doctor.soles.ok and not doctor.walk.ok and wishes.search:
+        if doctor.standing.ok and doctor.soles.ok and not doctor.walk.ok and options.search:
             stage = _stage(folder, files, draft)
-            tried = search(robot, stage, store, wishes.search, wishes.seed, wishes.jobs, progress)
+            tried = search(robot, stage, store, options.search, options.seed, options.jobs, progress)
             if tried is not None and tried.walks:
-                _use(draft, tried, wishes.seed)
+                _use(draft, tried, options.seed)
                 _write(folder, files, draft)
                 robot = load_robot(folder)
                 doctor = examine(robot, str(folder), progress=progress)
-        sheet = _sheet(robot, folder, doctor, store, wishes, progress)
+        sheet = _sheet(robot, folder, doctor, store, options, progress)
         _narrow(draft, robot, sheet or {})
         if unlike := unlike_limits(found.model, anatomy):
             draft.remarks.append(f"note: {unlike}")
@@ -152,10 +127,10 @@ def adopt(wishes: Wishes, progress: Progress = silent) -> Adoption:
     return Adoption(out / _CARD, document, doctor.tests)
 
 
-def _robot_name(wishes: Wishes, path: Path, own: str) -> str:
+def _robot_name(options: AdoptOptions, path: Path, own: str) -> str:
     """The user's, else that of the file, of the model, or of the folder, whichever says something first."""
-    if wishes.name:
-        return wishes.name
+    if options.name:
+        return options.name
     said = [name for name in (path.stem, own, path.resolve().parent.name) if name.lower() not in _PLAIN]
     plain = re.sub(r"[^A-Za-z0-9_.-]+", "_", said[0] if said else "").strip("_.-")
     return plain[:64] or "robot"
@@ -251,11 +226,11 @@ def _use(draft: CardDraft, tried: Found, seed: int) -> None:
 
 
 def _sheet(
-    robot: Robot, folder: Path, doctor: Doctor, store: Store, wishes: Wishes, progress: Progress
+    robot: Robot, folder: Path, doctor: Doctor, store: Store, options: AdoptOptions, progress: Progress
 ) -> dict[str, Any] | None:
     if doctor.failed is not None:
         return None
-    own = measure(robot, str(folder), store, wishes.jobs, progress) if wishes.sheet else {}
+    own = measure(robot, str(folder), store, options.jobs, progress) if not options.no_sheet else {}
     return own | reserves(robot, doctor.summary)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from gaitsmith.adoption.options import TuneOptions
 from gaitsmith.adoption.search import GAINS, ROUND, Candidate, drawn
 from gaitsmith.control.defaults import preset_parameters, robot_scale
 from gaitsmith.documents import toml
@@ -27,6 +28,7 @@ from gaitsmith.robots.card_file import OLD_VERSION, read_card
 from gaitsmith.robots.loading import build_robot, card_path
 from gaitsmith.robots.safety import CardFolder
 from gaitsmith.simulation import Summary
+from gaitsmith.work.workers import address_of
 
 TUNED = {
     **GAINS,
@@ -38,21 +40,6 @@ TUNED = {
 HELD_OUT = 1_000_000
 """Seeds of the search lie below, those that it is judged by from here on."""
 _WIDTHS = (0.35, 0.12)  # of a factor's range: how far from the best candidates are drawn, in turn
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What the user asks for; see the options of ``gaitsmith tune``."""
-
-    robot: str = "bhr_b2"
-    preset: str = "default"
-    candidates: int = 40
-    runs: int = 32
-    held_out: int = 64
-    seed: int = 0
-    jobs: int = 1
-    address: str = ""
-    out: str = "runs/tune"
 
 
 @dataclass(frozen=True)
@@ -76,23 +63,24 @@ class _Stopped(Exception):
 class _Bench:
     """Runs candidates as presets of a copy of the card."""
 
-    def __init__(self, wishes: Wishes, progress: Progress) -> None:
-        self._wishes, self._progress = wishes, progress
-        path = card_path(wishes.robot)
+    def __init__(self, options: TuneOptions, progress: Progress) -> None:
+        self._options, self._progress = options, progress
+        self._address = address_of(options.engine, options.address)
+        path = card_path(options.robot)
         card, self._text = read_card(path)
         if card.schema_version == OLD_VERSION:
             raise BadInput("--robot", f"a card of schema_version {OLD_VERSION}", "a newer card", "see docs/cards.md")
         folder = CardFolder(path.parent.resolve(), path.name)
         self.robot = build_robot(card, self._text, folder)
         self._files = folder.contents
-        if wishes.preset not in self.robot.card.presets:
+        if options.preset not in self.robot.card.presets:
             valid = "one of " + ", ".join(sorted(self.robot.card.presets))
-            raise BadInput("--preset", wishes.preset, valid)
-        self._own = self.robot.card.presets[wishes.preset].model_dump(mode="json", exclude_none=True)
-        self.gains = preset_parameters(self.robot, robot_scale(self.robot), wishes.preset).model_dump()
+            raise BadInput("--preset", options.preset, valid)
+        self._own = self.robot.card.presets[options.preset].model_dump(mode="json", exclude_none=True)
+        self.gains = preset_parameters(self.robot, robot_scale(self.robot), options.preset).model_dump()
         taken = self.robot.card.presets
         self.name = next(name for k in range(1, 100) if (name := f"tuned_{k}" if k > 1 else "tuned") not in taken)
-        self.store = Store(wishes.out)
+        self.store = Store(options.out)
         self._stage, self._rounds = self.store.path.with_name(f"candidates_{secrets.token_hex(4)}"), count()
 
     def tables(self, candidate: Candidate) -> dict[str, Any]:
@@ -125,7 +113,7 @@ class _Bench:
             for name in named
         ]
         wanted = [scenario for group in walks for scenario in group]
-        jobs, address = self._wishes.jobs, self._wishes.address
+        jobs, address = self._options.jobs, self._address
         try:
             episodes = run_all(
                 wanted, staged, self.store, progress=self._progress, what=what, jobs=jobs, address=address
@@ -137,7 +125,7 @@ class _Bench:
         return [[episodes.found[scenario] for scenario in group] for group in walks]
 
 
-def tune(wishes: Wishes, progress: Progress = silent) -> Tuning:
+def tune(options: TuneOptions, progress: Progress = silent) -> Tuning:
     """Search for gains that withstand stronger pushes, then compare them with today's on held-out seeds.
 
     Candidates are factors on the preset's gains, drawn around the best one so far (eight at a time, so that they can
@@ -147,27 +135,27 @@ def tune(wishes: Wishes, progress: Progress = silent) -> Tuning:
     Raises:
         BadInput: the robot, the preset or the folder cannot be used.
     """
-    bench = _Bench(wishes, progress)
-    random = np.random.default_rng(wishes.seed)
-    first = wishes.seed * wishes.runs % (HELD_OUT - wishes.runs)
-    seeds = range(first, first + wishes.runs)
+    bench = _Bench(options, progress)
+    random = np.random.default_rng(options.seed)
+    first = options.seed * options.runs % (HELD_OUT - options.runs)
+    seeds = range(first, first + options.runs)
     today = Candidate(dict.fromkeys(TUNED, 1.0))
     best, tried = today, 0
     try:
         (summaries,) = bench.run([today], seeds, "today's gains")
         at_first = highest = score(summaries)
-        while tried < wishes.candidates:
-            number = min(ROUND, wishes.candidates - tried)
+        while tried < options.candidates:
+            number = min(ROUND, options.candidates - tried)
             made = [drawn(random, TUNED, best, _WIDTHS[k % len(_WIDTHS)]) for k in range(number)]
-            what = f"{tried} of {wishes.candidates} candidates, best withstands {highest:.3f} (today's {at_first:.3f})"
+            what = f"{tried} of {options.candidates} candidates, best withstands {highest:.3f} (today's {at_first:.3f})"
             for candidate, found in zip(made, bench.run(made, seeds, what), strict=True):
                 if score(found) > highest:
                     best, highest = candidate, score(found)
             tried += number
-        judged = range(HELD_OUT + first, HELD_OUT + first + wishes.held_out)
+        judged = range(HELD_OUT + first, HELD_OUT + first + options.held_out)
         before, after = bench.run([today, best], judged, "held-out seeds")
     except _Stopped:
-        return Tuning({**_head(wishes, bench.robot), "tried": tried, "interrupted": True}, None, True)
+        return Tuning({**_head(options, bench.robot), "tried": tried, "interrupted": True}, None, True)
     gained = withstood(after) - withstood(before)
     better, worse = (sum(stood(a) and not stood(b) for a, b in pairs) for pairs in _paired(after, before))
     low, high = interval(better, better + worse) if better + worse else (0.0, 1.0)
@@ -175,14 +163,14 @@ def tune(wishes: Wishes, progress: Progress = silent) -> Tuning:
     if gained > 0.0:
         card = bench.store.path.with_name("card")
         comment = (
-            f"Found by `gaitsmith tune` with seed {wishes.seed}: {withstood(before):.3f} m√(gH) withstood before, "
+            f"Found by `gaitsmith tune` with seed {options.seed}: {withstood(before):.3f} m√(gH) withstood before, "
         )
         bench.write(
             card, {bench.name: best}, comment + f"{withstood(after):.3f} after, on {len(after)} held-out seeds."
         )
         load_robot(card)
     document = {
-        **_head(wishes, bench.robot),
+        **_head(options, bench.robot),
         "tried": tried,
         "factors": {name: float(f"{factor:.4g}") for name, factor in best.factors.items()},
         "search": {"before": round(at_first, 5), "after": round(highest, 5), "seeds": [seeds.start, seeds.stop]},
@@ -202,8 +190,8 @@ def tune(wishes: Wishes, progress: Progress = silent) -> Tuning:
     return Tuning(document, card)
 
 
-def _head(wishes: Wishes, robot: Robot) -> dict[str, Any]:
-    return {"robot": robot.card.name, "against": "crash", "base": wishes.preset, "seed": wishes.seed}
+def _head(options: TuneOptions, robot: Robot) -> dict[str, Any]:
+    return {"robot": robot.card.name, "against": "crash", "base": options.preset, "seed": options.seed}
 
 
 def _paired(after: list[Summary], before: list[Summary]) -> tuple[list[tuple[Summary, Summary]], ...]:

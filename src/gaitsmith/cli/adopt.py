@@ -5,21 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field
-
+from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome, Table, Text
-from gaitsmith.documents import About
-from gaitsmith.experiments.options import Jobs
 
 if TYPE_CHECKING:
     from gaitsmith.adoption.adopting import Adoption
 
 _UNITS = {"speed_x": "m/s", "speed_y": "m/s", "yaw_rate": "rad/s", "height": "m", "period": "s"}
-_Metres = Annotated[float, Field(gt=0.0, le=2.0)]
 
 
-class AdoptArguments(Arguments):
+class AdoptArguments(AdoptOptions, Arguments):
     """Make a card for a biped from its model alone: legs, soles and frames are inferred, and it is tested.
 
     It writes a folder with the card, copies of the model's files, and a picture. Then the robot stands, walks at
@@ -33,27 +29,6 @@ class AdoptArguments(Arguments):
             metavar="MODEL",
         ),
     ]
-    out: Annotated[str | None, About("Folder to write", metavar="DIR", absent="one named after the robot")] = None
-    name: Annotated[str, About("Name of the robot", metavar="NAME", absent="the model file's")] = ""
-    feet: Annotated[
-        tuple[str, ...], Field(max_length=2), About("Body of a foot, given for both if not inferred", metavar="BODY")
-    ] = ()
-    torso: Annotated[str, About("Body where the legs meet, if not inferred", metavar="BODY")] = ""
-    sole: Annotated[
-        tuple[_Metres, _Metres, _Metres, _Metres] | None,
-        About(
-            "Soles of feet without shapes, from the ankle: heel, toe, half width, and depth below it",
-            "m",
-            "HEEL TOE HALF_WIDTH DEPTH",
-            absent="inferred",
-        ),
-    ] = None
-    search: Annotated[
-        int, Field(ge=0, le=10_000), About("Gaits and gains to try at most if it does not walk", metavar="N")
-    ] = 40
-    seed: Annotated[int, Field(ge=0, lt=2**32), About("Seed of the search", metavar="N")] = 0
-    no_sheet: Annotated[bool, About("Do not measure speeds, heights, periods and pushes")] = False
-    jobs: Jobs = 1
 
 
 def adopt(words: list[str], program: str) -> Outcome:
@@ -62,18 +37,14 @@ def adopt(words: list[str], program: str) -> Outcome:
     Exit codes: 0 adopted and walks; 1 a card was written but a test fails; 2 refused, or something has to be asked.
     """
     options = parse(AdoptArguments, words, program)
-    from gaitsmith.adoption.adopting import Wishes
     from gaitsmith.adoption.adopting import adopt as run
-    from gaitsmith.adoption.soles import GivenSole
     from gaitsmith.cli.display import Display
     from gaitsmith.errors import BadInput
 
     if len(options.feet) == 1:
         raise BadInput("--feet", options.feet[0], "two bodies: --feet LEFT --feet RIGHT")
-    given = options.model_dump(exclude={"json_", "no_sheet", "sole"})
-    sole = None if options.sole is None else GivenSole(*options.sole)
     with Display("loading (the first time compiles)") as display:
-        adoption = run(Wishes(**given, sole=sole, sheet=not options.no_sheet), display.advance)
+        adoption = run(options, display.advance)
     code = BAD_INPUT if adoption.card is None else DONE if adoption.ok else FELL
     document = adoption.document | {"advice": _advice(adoption)}
     return Outcome(code, document, _lines(adoption, document))

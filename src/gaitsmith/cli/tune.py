@@ -5,36 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
-
+from gaitsmith.adoption.options import TuneOptions
 from gaitsmith.cli.arguments import Arguments, parse
 from gaitsmith.cli.dispatch import DONE, INTERRUPTED, NOT_SOLVED, Outcome, Text
 from gaitsmith.documents import About
-from gaitsmith.experiments.options import Address, Jobs, Preset, RobotName, Where
-from gaitsmith.work.workers import address_of
 
 if TYPE_CHECKING:
     from gaitsmith.adoption.tuning import Tuning
 
 
-class TuneArguments(Arguments):
+class TuneArguments(TuneOptions, Arguments):
     """Search for gains with which a robot withstands stronger pushes, and measure them on seeds not searched on.
 
     Every candidate walks the same random walks, with pushes of all strengths. The best one is compared with today's
     gains on other seeds; if it is better, a card with it as a preset is written. A search that was stopped goes on.
     """
 
-    robot: RobotName = "bhr_b2"
     against: Annotated[Literal["crash"], About("What the gains are to withstand")] = "crash"
-    preset: Preset = "default"
-    candidates: Annotated[int, Field(ge=1, le=100_000), About("Sets of gains that are tried", metavar="N")] = 40
-    runs: Annotated[int, Field(ge=4, le=10_000), About("Walks of each", metavar="N")] = 32
-    held_out: Annotated[int, Field(ge=4, le=10_000), About("Walks that the best is judged by", metavar="N")] = 64
-    seed: Annotated[int, Field(ge=0, lt=2**31), About("Seed of the candidates and the walks", metavar="N")] = 0
-    jobs: Jobs = 1
-    engine: Where = "local"
-    address: Address = None
-    out: Annotated[str, About("Folder of results; walks found there are not repeated", metavar="DIR")] = "runs/tune"
 
 
 def tune(words: list[str], program: str) -> Outcome:
@@ -43,14 +30,11 @@ def tune(words: list[str], program: str) -> Outcome:
     Exit codes: 0 better gains found; 3 none; 130 Ctrl-C.
     """
     options = parse(TuneArguments, words, program)
-    address = address_of(options.engine, options.address)
-    from gaitsmith.adoption.tuning import Wishes
     from gaitsmith.adoption.tuning import tune as run
     from gaitsmith.cli.display import Display
 
-    wishes = Wishes(**options.model_dump(exclude={"json_", "against", "engine", "address"}), address=address)
     with Display("loading (the first time compiles)") as display:
-        tuning = run(wishes, display.advance)
+        tuning = run(options, display.advance)
     code = INTERRUPTED if tuning.interrupted else DONE if tuning.card is not None else NOT_SOLVED
     return Outcome(code, tuning.document, _lines(tuning))
 
