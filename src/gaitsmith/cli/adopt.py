@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome, Table, Text
+from gaitsmith.cli.inputs import gait_units
 
 if TYPE_CHECKING:
     from gaitsmith.adoption.adopting import Adoption
-
-_UNITS = {"speed_x": "m/s", "speed_y": "m/s", "yaw_rate": "rad/s", "height": "m", "period": "s"}
 
 
 class AdoptArguments(AdoptOptions, Arguments):
@@ -100,8 +99,9 @@ def _assumed(entries: list[dict[str, Any]]) -> Iterator[str]:
 
 
 def _rows(sheet: dict[str, Any]) -> list[tuple[str, ...]]:
+    units = gait_units()
     rows = [
-        (f"{key}, {_UNITS.get(key, '')}", *(f"{v:g}" for v in v2)) for key, v2 in sheet.items() if isinstance(v2, list)
+        (f"{key}, {units.get(key, '')}", *(f"{v:g}" for v in v2)) for key, v2 in sheet.items() if isinstance(v2, list)
     ]
     return rows + [(f"push {key}, N·s", "", f"{value:g}") for key, value in sheet.get("push", {}).items()]
 

@@ -30,6 +30,13 @@ def named_robot(name: str, field: str = "--robot") -> Robot:
     return robot
 
 
+def gait_units() -> dict[str, str]:
+    """Unit of every number of the gait, by its name in the limits."""
+    from gaitsmith.robots.parameters import GAIT_INPUTS
+
+    return {part: about.unit for name, about in GAIT_INPUTS.items() for part in about.parts or (name,)}
+
+
 def tell_old_card(robot: Robot) -> None:
     """Say on stderr what an old card no longer means."""
     from gaitsmith.robots.card_file import OLD_NOTE

@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, FELL, Outcome, Table, Text
-from gaitsmith.cli.inputs import named_robot
+from gaitsmith.cli.inputs import gait_units, named_robot
 from gaitsmith.documents import About
 
 if TYPE_CHECKING:
     from gaitsmith.adoption.trials import Test
     from gaitsmith.robots import Robot
-
-
-_UNITS = {"speed_x": "m/s", "speed_y": "m/s", "period": "s", "alpha": "", "height": "m", "lift": "m", "width": "m"}
-_UNITS |= {"yaw_rate": "rad/s"}
 
 
 class ListArguments(Arguments):
@@ -124,9 +120,11 @@ def _lines(robot: Robot, document: dict[str, Any]) -> Iterator[Text]:
 
 def _gait(document: dict[str, Any]) -> Iterator[tuple[str, ...]]:
     """Inputs of a walk with their default and limits."""
-    gait = dict(zip(("speed_x", "speed_y"), document["gait"]["speed"], strict=True)) | document["gait"]
+    from gaitsmith.robots.parameters import gait_numbers
+
+    gait, units = {part: value for part, _, value in gait_numbers(document["gait"])}, gait_units()
     for name, (low, high) in document["gait_limits"].items():
         yield (
-            f"{name}, {_UNITS[name]}" if _UNITS[name] else name,
+            f"{name}, {units[name]}" if units[name] else name,
             *(f"{value:.4g}" for value in (gait[name], low, high)),
         )
