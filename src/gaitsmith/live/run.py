@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,6 +14,7 @@ from gaitsmith.log import Log
 from gaitsmith.reports.run import open_run
 from gaitsmith.simulation.run_folder import LOG
 from gaitsmith.simulation.scene_log import positions
+from gaitsmith.view.recording import pushes_of
 
 Array = npt.NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class Run:
         self.frame = Frame(names, self.robot.model.nq, 0)
         self._data = mujoco.MjData(self.robot.model)
         self._check_columns()
-        self.pushes = self._find_pushes()
+        self.pushes = pushes_of(self.log)
 
     def _check_columns(self) -> None:
         """Refuse a log that lacks what is shown."""
@@ -53,25 +53,6 @@ class Run:
         for name in (*joints, "true.torso_x", "true.torso_roll", "stance", "step_count", "torque." + joints[0][15:]):
             if name not in self.frame:
                 raise BadInput(str(self.path), f"a log without {name}", "the log of a run of gaitsmith walk")
-
-    def _find_pushes(self) -> list[tuple[float, float, Array]]:
-        """Begin and end (s), and force (3,) in N, world axes, of every push; NaN where nobody has written it down."""
-        planned = [push.model_dump() for push in self.scenario.pushes]
-        found, began = list[tuple[float, float, Array]](), dict[int, Any]()
-        for event in self.log.events:
-            if "push" not in event:
-                continue
-            number = int(event["push"])
-            if not event.get("over"):
-                began[number] = event
-            elif number in began:
-                start = began.pop(number)
-                given = planned[number] if number < len(planned) else start
-                length = max(event["time"] - start["time"], 1e-3)
-                force = given.get("force") or np.array(given.get("impulse", [math.nan] * 3)) / length
-                found.append((float(start["time"]), float(event["time"]), np.array(force, dtype=float)))
-        end = float(self.log.time[-1])
-        return found + [(float(event["time"]), end, np.full(3, math.nan)) for event in began.values()]
 
     def row(self, time: float) -> int:
         """Number of the row at a time, s."""
@@ -102,6 +83,6 @@ class Run:
             place[1] += math.sin(yaw) * x + math.cos(yaw) * y
             frame.contacts[row] = (*place, 0.0, 0.0, frame[f"true.{leg.name}_force"])
         now = frame["live.time"]
-        forces = [force for begin, end, force in self.pushes if begin <= now <= end and np.isfinite(force).all()]
+        forces = [np.divide(p.impulse, max(p.end - p.begin, 1e-3)) for p in self.pushes if p.begin <= now <= p.end]
         frame.push[:] = np.sum(forces, axis=0) if forces else 0.0
         return frame

@@ -59,16 +59,9 @@ def timeline_of(run: Run) -> Timeline:
         if column in log.columns:
             rose = np.flatnonzero(np.diff(log.column(column)) > 0.0) + 1
             limits += [Span(float(log.time[k]), float(log.time[k]) + _SHORTEST, words) for k in rose]
-    pushes = [Span(begin, end, _impulse(force * (end - begin))) for begin, end, force in run.pushes]
+    pushes = [Span(push.begin, push.end, f"push {push.words}") for push in run.pushes]
     fall = min(run.fall.time, float(log.time[-1])) if run.fall else None  # rows are sparser than ticks
     return Timeline(touchdowns, sorted(limits), pushes, fall)
-
-
-def _impulse(impulse: Array) -> str:
-    """A push in words."""
-    if not np.isfinite(impulse).all():
-        return "push by hand"
-    return f"push {np.linalg.norm(impulse):.3g} N·s"
 
 
 def _spans(time: Array, mask: npt.NDArray[np.bool_], words: str) -> list[Span]:

@@ -24,7 +24,7 @@ class Stage(NamedTuple):
 
 
 class PushMark(NamedTuple):
-    """A push: when it began and ended, s, the world's impulse (3,), N·s, and in words."""
+    """A push: when it began and ended, s, impulse (3,), world, N·s (0 if nobody has written it down), and in words."""
 
     begin: float
     end: float
@@ -84,7 +84,7 @@ class Recording:
         ends = [f"{side}.{axis}" for side in _SIDES for axis in _AXES]
         left, right = log.column(true + "hip_height_left"), log.column(true + "hip_height_right")
         self.robot, self.title, self.time, self.fell = robot, robot.card.name, log.time, fell
-        self.conditions, self.pushes = _conditions(log.notes), _pushes(log)
+        self.conditions, self.pushes = _conditions(log.notes), pushes_of(log)
         self.tick_us, self.tick_counts = ticks
         self.speed_command = columns("command.speed_x", "command.speed_y") * (log.column("mode") != 0.0)[:, None]
         self.speed = columns(true + "com_velocity_x", true + "com_velocity_y")
@@ -144,15 +144,21 @@ def _conditions(notes: dict[str, Any]) -> str:
     return ", ".join(words + ([f"seed {run['seed']}"] if "seed" in run else []))
 
 
-def _pushes(log: Log) -> tuple[PushMark, ...]:
-    """Pushes that the log tells of."""
-    found, asked = [], (log.notes.get("scenario") or {}).get("pushes", ())
+def pushes_of(log: Log) -> tuple[PushMark, ...]:
+    """Pushes that a log tells of: those of the scenario, and those of somebody who steered."""
+    asked, begun = (log.notes.get("scenario") or {}).get("pushes", ()), dict[int, tuple[float, float, dict[str, Any]]]()
     for event in log.events:
-        number = event.get("push")
-        if number is None or event.get("over") or not 0 <= number < len(asked):
+        number, time = event.get("push"), float(event["time"])
+        if number is None:
             continue
-        over = [e["time"] for e in log.events if e.get("push") == number and e.get("over")]
-        impulse = tuple(float(part) for part in asked[number]["impulse"])
-        words = f"{float(np.linalg.norm(impulse)):.3g} N·s"
-        found.append(PushMark(float(event["time"]), float(over[0] if over else log.time[-1]), impulse, words))
+        if not event.get("over"):
+            given = asked[number] if 0 <= number < len(asked) else event
+            begun[number] = (time, time + given.get("duration", float(log.time[-1]) - time), given)
+        elif number in begun:
+            begun[number] = (begun[number][0], time, begun[number][2])
+    found = []
+    for begin, end, given in begun.values():
+        impulse = np.array(given.get("impulse", (end - begin) * np.array(given.get("force", (0.0, 0.0, 0.0)))))
+        words = f"{float(np.linalg.norm(impulse)):.3g} N·s" if impulse.any() else "by hand"
+        found.append(PushMark(begin, end, tuple(impulse.tolist()), words))
     return tuple(found)
