@@ -17,7 +17,7 @@ from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.synthesis.files.gait_file import write_gait
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
+from gaitsmith.synthesis.gaits.support import depths
 from gaitsmith.synthesis.gaits.unrolled import Samples, UnrolledGait
 from gaitsmith.synthesis.motions.biped import biped_from
 
@@ -78,18 +78,11 @@ def walk_plan(gait: Gait, robot: Robot, name: str, folder: Path, tell: Tell, ste
     unrolled = UnrolledGait(gait, robot, steps)
     rows = np.array([row for row in seen[0].rows if row[0] <= unrolled.duration])
     time, zmp, com = rows[:, 0], rows[:, 1:3], rows[:, 3:5]
-    plan, biped, hulls = unrolled.at(time), biped_from(robot), dict[Any, Array]()
+    plan = unrolled.at(time)
     offset = _moved(plan, gait, time, unrolled)
-    for phase in plan.phases:
-        if phase not in hulls:
-            hulls[phase] = hull(contact_points(biped, phase))
-
-    def depth(points: Array) -> Array:
-        local = points - offset
-        return np.array([float(inside(hulls[p], q[:, None])[0]) for p, q in zip(plan.phases, local, strict=True)])
-
+    zmp_inside, com_inside = (depths(biped_from(robot), plan.phases, points - offset) for points in (zmp, com))
     ball = rows[:, 5:8] if rows.shape[1] > 5 else None
-    return Real(run, time, zmp, com, plan, depth(zmp), depth(com), ball)
+    return Real(run, time, zmp, com, plan, zmp_inside, com_inside, ball)
 
 
 def _moved(plan: Samples, gait: Gait, time: Array, unrolled: UnrolledGait) -> Array:

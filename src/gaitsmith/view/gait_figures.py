@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
+from gaitsmith.synthesis.gaits.support import contact_points, depths, hull
 from gaitsmith.synthesis.motions.biped import biped_from
 from gaitsmith.synthesis.motions.motion import SIDES, Phase, about_vertical
 from gaitsmith.view.canvas import BAND, COMMAND, LEFT, LIMIT, RIGHT, THIRD, above, figure, save, sole_corners
@@ -110,19 +110,10 @@ def draw_margin(axes: Axes, trace: GaitTrace) -> None:
     """Distance of ZMP and CoG from the edge of the support polygon; negative outside."""
     trace.shade(axes)
     for values, colour, name in ((trace.samples.com[:, :2], THIRD, "CoG"), (trace.samples.zmp, COMMAND, "ZMP")):
-        axes.plot(trace.time, 1e3 * depth(trace, values), color=colour, lw=1.2, label=name)
+        inside = depths(biped_from(trace.robot), trace.samples.phases, values)
+        axes.plot(trace.time, 1e3 * inside, color=colour, lw=1.2, label=name)
     axes.axhline(0.0, color=LIMIT, linewidth=1.0)
     axes.set_ylabel("inside the\npolygon, mm")
-
-
-def depth(trace: GaitTrace, points: Array) -> Array:
-    """(N,) how far points (N, 2) lie inside the support polygon of their instants, m; negative outside."""
-    biped, hulls = biped_from(trace.robot), dict[Phase, Array]()
-    for phase in trace.samples.phases:
-        if phase not in hulls:
-            hulls[phase] = hull(contact_points(biped, phase))
-    pairs = zip(trace.samples.phases, points, strict=True)
-    return np.array([float(inside(hulls[phase], point[:, None])[0]) for phase, point in pairs])
 
 
 def _extents(trace: GaitTrace) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -72,6 +74,13 @@ def inside(corners: Array, points: Array) -> Array:
     edges = np.roll(corners, -1, axis=0) - corners
     normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
     return np.asarray((normals @ points - np.sum(normals * corners, axis=1)[:, None]).min(axis=0))
+
+
+def depths(biped: Biped, phases: Sequence[Phase], points: Array) -> Array:
+    """(N,) how far points (N, 2) lie inside the support polygons of N phases, m; negative outside."""
+    hulls = {phase: hull(contact_points(biped, phase)) for phase in dict.fromkeys(phases)}
+    pairs = zip(phases, points, strict=True)
+    return np.array([float(inside(hulls[phase], point[:, None])[0]) for phase, point in pairs])
 
 
 def zmp_margin(biped: Biped, phase: Phase, wrench: Array) -> float:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import contact_points, hull, inside
+from gaitsmith.synthesis.gaits.support import depths
 from gaitsmith.synthesis.gaits.unrolled import Samples, UnrolledGait
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.proof.verify import verify
@@ -40,10 +40,7 @@ class Claim:
 
 def _inside(samples: Samples, biped: Biped) -> Array:
     """(N,) how far the CoM's projection lies inside the support polygon, m."""
-    hulls = {phase: hull(contact_points(biped, phase)) for phase in samples.phases}
-    return np.array(
-        [inside(hulls[phase], com[:2, None])[0] for phase, com in zip(samples.phases, samples.com, strict=True)]
-    )
+    return depths(biped, samples.phases, samples.com[:, :2])
 
 
 def _yaw_joints(robot: Robot) -> list[int]:
