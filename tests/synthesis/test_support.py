@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from gaitsmith.synthesis.gaits.support import contact_points, hull, inside, zmp, zmp_margin
+from gaitsmith.synthesis.gaits.support import contact_points, depths, hull, inside, zmp
 from gaitsmith.synthesis.motions.motion import Phase
 
 ROUNDING = 1e-12
@@ -43,12 +43,13 @@ def test_the_margin_is_the_distance_from_the_hulls_edge(planner):
     sole = biped.leg("right").sole
     for depth in (0.005, -0.005):
         point = (0.3 + sole.toe - depth, -0.1)
-        assert abs(zmp_margin(biped, single, pressed(single, {"right": point})) - depth) < ROUNDING
+        (found,) = depths(biped, [single], zmp(single, pressed(single, {"right": point})).T)
+        assert abs(found - depth) < ROUNDING
 
 
 def test_both_feet_bear_between_the_soles(planner):
     points = {"left": (0.5, 0.1), "right": (0.3, -0.1)}
-    assert zmp_margin(planner.biped, STEP, pressed(STEP, points)) > 0.0
+    assert depths(planner.biped, [STEP], zmp(STEP, pressed(STEP, points)).T) > 0.0
     assert len(hull(contact_points(planner.biped, STEP))) == 6
 
 

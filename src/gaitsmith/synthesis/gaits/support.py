@@ -81,12 +81,3 @@ def depths(biped: Biped, phases: Sequence[Phase], points: Array) -> Array:
     hulls = {phase: hull(contact_points(biped, phase)) for phase in dict.fromkeys(phases)}
     pairs = zip(phases, points, strict=True)
     return np.array([float(inside(hulls[phase], point[:, None])[0]) for phase, point in pairs])
-
-
-def zmp_margin(biped: Biped, phase: Phase, wrench: Array) -> float:
-    """Smallest distance of the ZMP of wrenches (12, N) from the edge of the hull of all contact points, m.
-
-    The moment of a foot that turns about an edge is about its sole frame's origin, which has moved with the foot; that
-    part is small and enters through the file's wrench.
-    """
-    return float(inside(hull(contact_points(biped, phase)), zmp(phase, wrench)).min())

@@ -126,10 +126,6 @@ class Taylor:
         """Of a matrix (i, j)."""
         return Taylor(self.c.swapaxes(1, 2), self.r.swapaxes(0, 1))
 
-    def repeated(self, stretches: npt.NDArray[np.int64]) -> Taylor:
-        """The models of some of the stretches."""
-        return Taylor(self.c[..., stretches], self.r[..., stretches])
-
 
 def _level(one: Taylor, two: Taylor) -> tuple[Taylor, Taylor]:
     """Both with equally many axes, as NumPy aligns arrays."""

@@ -10,10 +10,8 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis.files.gait_file import gait_document, gait_of
 from gaitsmith.synthesis.gaits.gait import Gait
-from gaitsmith.synthesis.gaits.support import zmp_margin
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.proof.borders import jumps
-from gaitsmith.synthesis.proof.verify import verify
+from gaitsmith.synthesis.proof.verify import Verdict, verify
 from gaitsmith.synthesis.requests.request import Answer
 
 _SAMPLES = 200  # a phase
@@ -40,17 +38,6 @@ def largest_torque_rate(gait: Gait) -> float:
     return largest
 
 
-def single_support_margin(gait: Gait, biped: Biped) -> float:
-    """Smallest distance of the ZMP from the support sole's edge in single support, m."""
-    borders = gait.motion.borders
-    margins = [
-        zmp_margin(biped, phase, gait.wrenches(index, np.linspace(borders[index], borders[index + 1], _SAMPLES)))
-        for index, phase in enumerate(gait.motion.phases)
-        if not phase.double and not phase.flies
-    ]
-    return min(margins, default=np.inf)
-
-
 def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> dict[str, Any]:
     """What ``gaitsmith plan --json`` prints."""
     main, results = found.main, found.results.values()
@@ -59,7 +46,7 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
     worst = [item.as_dict() for item in main.worst]
     if gait is not None:
         worst = list(gait.certificate.get("worst", worst))
-    problems = [] if gait is None else rejections(gait, biped.robot)
+    verdict, problems = (None, list[str]()) if gait is None else _judged(gait, biped.robot)
     return {
         "status": main.status,
         "reason": main.reason,
@@ -78,8 +65,8 @@ def plan_document(found: Answer, kind: str, biped: Biped, file: str | None) -> d
         "duration": None if gait is None else gait.duration,
         "free_durations": {} if gait is None else _chosen(gait),
         "max_torque": None if gait is None else peak_torques(gait),
-        "zmp_margin_mm": None if gait is None else 1e3 * single_support_margin(gait, biped),
-        "torque_jump": None if gait is None else jumps(gait, biped.whole)[0],
+        "zmp_margin_mm": None if verdict is None else verdict.zmp_margin,
+        "torque_jump": None if verdict is None else verdict.torque_jump,
         "torque_rate_max": None if gait is None else largest_torque_rate(gait),
         "torque_rate_bound": None if gait is None else gait.bounds["torque_rate"],
         "warnings": _relaxed(found) + [f"verify rejects this gait: {problem}" for problem in problems],
@@ -107,11 +94,16 @@ def _relaxed(found: Answer) -> list[str]:
 
 def rejections(gait: Gait, robot: Robot) -> list[str]:
     """Why ``gaitsmith verify`` would not accept a gait's file, in words."""
+    return _judged(gait, robot)[1]
+
+
+def _judged(gait: Gait, robot: Robot) -> tuple[Verdict | None, list[str]]:
+    """What :func:`verify` says of a gait's file, None if it cannot be read; and why it would not be accepted."""
     try:
-        read = gait_of(gait_document(gait))
+        verdict = verify(gait_of(gait_document(gait)), robot)
     except BadInput as error:
-        return [str(error)]
-    return verify(read, robot).problems
+        return None, [str(error)]
+    return verdict, verdict.problems
 
 
 def _chosen(gait: Gait) -> dict[str, float]:
