@@ -29,7 +29,8 @@ BETWEEN = 1e-6  # of the weight, between the nodes: what `verify` allows
 def flying(robot):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("GAITSMITH_CC", "none")  # a compiler takes longer than it saves here
-        made = Planner(robot).flying
+        made = Planner(robot)
+        made = made.suited(jump(made.biped, JumpParameters(), standing(made.biped)))
         assert made.functions.compiled is False
         return made
 

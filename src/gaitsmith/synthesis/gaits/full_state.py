@@ -142,6 +142,11 @@ class StateFinder:
         """(3,) world, m, in the state that :meth:`find` left."""
         return np.array(self.data.subtree_com[0])
 
+    def centre_velocity(self) -> Array:
+        """(3,) of the centre of mass, world, m/s, in the state that :meth:`find` left."""
+        mujoco.mj_subtreeVel(self.model, self.data)
+        return np.array(self.data.subtree_linvel[0])
+
 
 def turned(angle: Array, rate: Array, pull: Array) -> tuple[Array, Array, Array]:
     """Rotation (3, 3), angular velocity and acceleration (3,), world axes, of yaw, pitch and roll in this order."""

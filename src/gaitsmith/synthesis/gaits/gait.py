@@ -33,7 +33,7 @@ ROLL = 5
 _Image = tuple[tuple[str, ...], npt.NDArray[np.int64], Array]  # names of joints, partners and signs in the mirror
 CHANNELS = 12  # left force, left moment, right force, right moment
 _POSE = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # mirror image of a pose
-_PLACES = ("ankle", "sole", "toe", "heel", "support")  # what has a place in the world
+_PLACES = ("ankle", "sole", "toe", "heel", "support", "centre", "body")  # what has a place in the world
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,6 +65,7 @@ class Biped:
         ankle_height: origin of the body that carries the sole above the sole, m.
         weight: total weight, N.
         flies: whether the support sole may leave the ground: its pose is then six coordinates more.
+        placed: whether the places of the centre of mass and the torso are among what is computed of a point.
     """
 
     robot: Robot
@@ -78,6 +79,7 @@ class Biped:
     ankle_height: float
     weight: float
     flies: bool = False
+    placed: bool = False
 
     @property
     def joints(self) -> int:
@@ -153,7 +155,7 @@ class Biped:
         digest = hashlib.sha256()
         for name in _PHYSICS:
             digest.update(np.ascontiguousarray(getattr(self.model, name)).tobytes())
-        digest.update(bytes([self.flies]))
+        digest.update(bytes([self.flies, self.placed]))
         for values in (self.model.opt.gravity, self.index, self.partner, self.sign, self.home[self.held]):
             digest.update(np.array(values).tobytes())
         digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric, self.lines]))

@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Quantity(NamedTuple):
-    """A number of the other foot, its ankle, or the torso that a motion may bound or fix.
+    """A number of the other foot, its ankle, the torso, or the centre of mass that a motion may bound or fix.
 
     Attributes:
         part: of the robot.
@@ -24,7 +24,20 @@ class Quantity(NamedTuple):
         unit: m, m/s or rad.
     """
 
-    part: Literal["ankle", "ankle velocity", "sole", "toe", "heel", "foot", "hip", "torso", "support"]
+    part: Literal[
+        "ankle",
+        "ankle velocity",
+        "sole",
+        "toe",
+        "heel",
+        "foot",
+        "hip",
+        "torso",
+        "support",
+        "centre",
+        "centre velocity",
+        "body",
+    ]
     axis: int
     unit: str
 
@@ -42,6 +55,9 @@ QUANTITIES: dict[str, Quantity] = {
     "hip_height": Quantity("hip", 2, "m"),
     "support_z": Quantity("support", 2, "m"),
     **{f"torso_{name}": Quantity("torso", k, "rad") for k, name in enumerate(_ANGLES)},
+    **{f"torso_{name}": Quantity("body", k, "m") for k, name in enumerate(_PLACES)},
+    **{f"com_{name}": Quantity("centre", k, "m") for k, name in enumerate(_PLACES)},
+    **{f"com_v{name}": Quantity("centre velocity", k, "m/s") for k, name in enumerate(_PLACES)},
 }
 
 
@@ -293,6 +309,14 @@ class Motion:
     def flies(self) -> bool:
         """Whether both feet leave the ground."""
         return any(phase.flies for phase in self.phases)
+
+    @property
+    def placed(self) -> bool:
+        """Whether a limit or condition is on the place of the centre of mass or the torso."""
+        names = [limit.quantity for phase in self.phases for limit in phase.limits]
+        names += [item.quantity for item in self.conditions if isinstance(item, At)]
+        parts = ("centre", "centre velocity", "body")
+        return any(name in QUANTITIES and QUANTITIES[name].part in parts for name in names)
 
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""

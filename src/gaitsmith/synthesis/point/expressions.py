@@ -103,14 +103,15 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         sole[0, 0],
         *([_lean_gap(sole, z[layout.position + n + 1])] if layout.leans else []),
         *(_own(start, support, mirror) if layout.poses else []),
-        *(_momenta(model, found, mirror, axial) if layout.poses else []),
+        *(_places(layout, model, found, torso, mirror, axial) if layout.places else []),
     )
 
 
-def _momenta(model: Any, found: Any, mirror: Any, axial: Any) -> list[Any]:
-    """Centre of mass, its velocity, and the angular momentum about the foothold over the mass."""
+def _places(layout: PointLayout, model: Any, found: Any, torso: Any, mirror: Any, axial: Any) -> list[Any]:
+    """Centre of mass, its velocity, the torso's frame, and in flight the angular momentum about the foothold."""
     place, speed, spin = symbolic_root.momentum(model, found)
-    return [ca.mtimes(mirror, place), ca.mtimes(mirror, speed), ca.mtimes(axial, spin)]
+    vectors = [ca.mtimes(mirror, vector) for vector in (place, speed, torso.position)]
+    return [*vectors, *([ca.mtimes(axial, spin)] if layout.poses else [])]
 
 
 def _own(start: Any, support: Any, mirror: Any) -> list[Any]:

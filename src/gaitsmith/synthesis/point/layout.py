@@ -42,14 +42,15 @@ class PointLayout:
         ankle, ankle_velocity: of the other ankle (3), m, m/s.
         lean_gap: of line soles: sine of the other sole's roll less its lean.
         own: of a support sole that may fly: place (3), then yaw, pitch and roll as of the other sole.
-        com, momentum, spin: of a robot that may fly: centre of mass (3), m, its velocity (3), m/s, and the angular
-            momentum about the foothold over the mass (3), m²/s.
+        com, momentum, body: where places are wanted: centre of mass (3), m, its velocity (3), m/s, and the torso's
+            frame (3), m.
+        spin: of a robot that may fly: angular momentum about the foothold over the mass (3), m²/s.
         twist: vertical moment about the centre of pressure times the normal force, over the weight, N·m; of the support
             sole, then of the other.
         load: square of the normal force over the weight, N; on the support sole, then on the other.
     """
 
-    def __init__(self, joints: int, leans: int = 0, poses: int = 0) -> None:
+    def __init__(self, joints: int, leans: int = 0, poses: int = 0, places: bool = False) -> None:
         self.joints = n = joints
         self.leans, self.poses, self.coordinates = leans, poses, n + leans + poses
         self.pose = n + leans  # first of the pose among the coordinates
@@ -63,11 +64,12 @@ class PointLayout:
         self.ankle, self.ankle_velocity, self.foot_forward = n + 28, n + 31, n + 34
         self.lean_gap = n + 35
         self.own = n + 35 + leans // 2
-        self.com, self.momentum, self.spin = (self.own + (2 + k) * poses // 2 for k in range(3))
-        self.twist = self.own + 5 * poses // 2
+        self.places = places
+        self.com, self.momentum, self.body, self.spin = (self.own + poses + 3 * k * places for k in range(4))
+        self.twist = self.spin + poses // 2
         self.load, self.outputs = self.twist + 2, self.twist + 4
 
 
 def layout_of(biped: Biped) -> PointLayout:
     """The layout of a robot's points."""
-    return PointLayout(biped.joints, biped.leans, 6 * biped.flies)
+    return PointLayout(biped.joints, biped.leans, 6 * biped.flies, biped.flies or biped.placed)

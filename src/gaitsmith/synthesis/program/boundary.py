@@ -10,7 +10,8 @@ import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State, about_vertical, of_joint, turned, unit_of
-from gaitsmith.synthesis.program.bounds import Form, Kind, joint_form, quantity_form
+from gaitsmith.synthesis.program.bounds import Kind
+from gaitsmith.synthesis.program.quantities import Form, joint_form, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
 from gaitsmith.synthesis.program.transcription import Points, Transcription, flights_of
 

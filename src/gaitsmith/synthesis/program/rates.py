@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gaitsmith.synthesis.program.bounds import Form, Kind
+from gaitsmith.synthesis.program.bounds import Kind
+from gaitsmith.synthesis.program.quantities import Form
 from gaitsmith.synthesis.program.rows import Label
 from gaitsmith.synthesis.program.transcription import Transcription
 

@@ -9,7 +9,8 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.synthesis.point.layout import PointLayout
-from gaitsmith.synthesis.program.bounds import Form, Kind, PhaseBound, shown
+from gaitsmith.synthesis.program.bounds import Kind, PhaseBound, shown
+from gaitsmith.synthesis.program.quantities import Form
 
 Array = npt.NDArray[np.float64]
 

@@ -12,8 +12,9 @@ from gaitsmith.synthesis.gaits.full_state import FullState, StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece, follow
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import At, Condition, Same, State, Unloaded, about_vertical
-from gaitsmith.synthesis.proof.definitions import allowed_of, quantity
+from gaitsmith.synthesis.proof.definitions import allowed_of
 from gaitsmith.synthesis.proof.measured import Errors, larger, measure
+from gaitsmith.synthesis.proof.quantities import quantity
 
 Array = npt.NDArray[np.float64]
 SEAM = {"position_m": 1e-6, "angle_rad": 1e-5, "velocity": 1e-4, "acceleration": 1e-2}

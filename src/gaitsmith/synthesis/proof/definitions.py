@@ -6,7 +6,7 @@ World axes; lengths in m, forces as shares of the weight where a name says so. N
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +14,6 @@ import numpy as np
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import (
-    QUANTITIES,
     RATE,
     At,
     Limit,
@@ -25,6 +24,7 @@ from gaitsmith.synthesis.motions.motion import (
     of_joint,
     unit_of,
 )
+from gaitsmith.synthesis.proof.quantities import Measured, along_sole, corner_heights, own_heights, quantity
 
 LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something
 ROUNDING = 1e-9  # share of a bound's range: the resolution of a file's numbers
@@ -35,44 +35,6 @@ _LEVEL = 0.6  # sine of the largest pitch of a foot that turns about an edge
 _ENDS = 0.5  # share of the friction at both ends of an edge that may bear a yaw moment
 _KEPT = 0.1  # share of an edge's distance from the sole's frame that a ZMP margin leaves
 _CROUCH = 0.3  # of the height with straight legs: lowest hips
-
-
-@dataclass(frozen=True, eq=False)
-class Measured:
-    """A phase's motion and forces, of any kind of number, in the world of :attr:`Phase.straight`.
-
-    Attributes:
-        q, v, a, torque, rate: [joint] rad, rad/s, rad/s², N·m, N·m/s.
-        moving: [joint] whether it moves.
-        force, moment: [3] on the support sole, about its frame's origin, N and N·m.
-        push, turn: [3] on the other sole, about the point that it turns about (its origin if flat).
-        pivot: [3] that point, m.
-        rotation, torso: [3, 3] of the other sole and of the torso.
-        hip: height of the hips' midpoint, m.
-        ankle, ankle_velocity: [3] origin of the body that carries the other sole, m, m/s.
-        own: [3] the support sole's frame, m; level: [3, 3] its rotation.
-        profile: of (lifts, lands): the height that the swing sole has to have, from 0 to 1.
-    """
-
-    q: Any
-    v: Any
-    a: Any
-    torque: Any
-    rate: Any
-    moving: Any
-    force: Any
-    moment: Any
-    push: Any
-    turn: Any
-    pivot: Any
-    rotation: Any
-    torso: Any
-    hip: Any
-    ankle: Any
-    ankle_velocity: Any
-    own: Any
-    level: Any
-    profile: Callable[[bool, bool], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,12 +251,6 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
         yield Bound("foot separation", "m", apart, least, np.inf, biped.width)
 
 
-def along_sole(vector: Any, heading: float) -> tuple[Any, Any, Any]:
-    """A vector in the axes of a sole that is turned by ``heading``, rad, about the vertical."""
-    cos, sin = float(np.cos(heading)), float(np.sin(heading))
-    return vector[0] * cos + vector[1] * sin, vector[1] * cos - vector[0] * sin, vector[2]
-
-
 def _flying(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motion, index: int) -> Iterator[Bound]:
     """The same of a support sole that has left the ground."""
     phase, foot = motion.phases[index], biped.sole(motion.phases[index].support)
@@ -309,42 +265,3 @@ def _flying(found: Measured, biped: Biped, bounds: dict[str, float], motion: Mot
         ("yaw", found.level[1, 0] * phase.side, bounds["foot_tilt"]),
     ):
         yield _angle(f"support foot {name}", sine, most)
-
-
-def own_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
-    """Heights of the support sole's corners above the ground under it, m."""
-    row, above = found.level[2], found.own[2] - phase.height
-    return [above + row[0] * x + row[1] * y for x, y in biped.corners("flat", phase.support).tolist()]
-
-
-def corner_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
-    """Heights of the other sole's corners above the ground under it, m."""
-    centre = biped.pivot(phase)
-    corners = biped.corners("flat", phase.other_foot).tolist()
-    row = found.rotation[2]
-    return [
-        found.pivot[2] - phase.other_height + row[0] * (x - float(centre[0])) + row[1] * (y - float(centre[1]))
-        for x, y in corners
-    ]
-
-
-def quantity(found: Measured, biped: Biped, phase: Phase, name: str) -> Any:
-    """A quantity of a joint, or of :data:`QUANTITIES` in the world of :attr:`Phase.straight`, of angles the sine."""
-    joint = of_joint(name)
-    if joint is not None:
-        rows = {"angle": found.q, "velocity": found.v, "acceleration": found.a, "torque": found.torque}[joint[1]]
-        return rows[biped.robot.joint_names.index(joint[0])]
-    part, axis, _ = QUANTITIES[name]
-    if part in ("foot", "torso"):
-        rotation = found.rotation if part == "foot" else found.torso
-        return (rotation[2, 1], -rotation[2, 0], rotation[1, 0])[axis]
-    if part == "hip":
-        return found.hip
-    if part == "support":
-        return found.own[2]
-    if part in ("ankle", "ankle velocity"):
-        return (found.ankle if part == "ankle" else found.ankle_velocity)[axis]
-    sole = biped.sole(phase.other_foot)
-    x, y, _ = (float(value) for value in biped.pivot(phase))
-    ahead = {"sole": 0.0, "toe": sole.toe, "heel": -sole.heel}[part] - x
-    return found.pivot[axis] + found.rotation[axis, 0] * ahead - found.rotation[axis, 1] * y

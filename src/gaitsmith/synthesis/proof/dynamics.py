@@ -195,6 +195,15 @@ class EnclosedRobot:
             moments.append(spun + cross(place, force))
         return stacked(forces), stacked(moments)
 
+    def centre(self, motions: dict[int, BodyMotion]) -> tuple[Taylor, Taylor]:
+        """Centre of mass (3,) and its velocity (3,)."""
+        shares = self.model.body_mass / self.model.body_mass.sum()
+        found = {b: motions[b].point(np.array(self.model.body_ipos[b])) for b in range(1, self.model.nbody)}
+        (place, speed, _), *others = ([item * float(shares[b]) for item in point] for b, point in found.items())
+        for there, moves, _ in others:
+            place, speed = place + there, speed + moves
+        return place, speed
+
     def residual(
         self,
         motions: dict[int, BodyMotion],

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import about_vertical
-from gaitsmith.synthesis.proof.definitions import Measured
 from gaitsmith.synthesis.proof.dynamics import BodyMotion, EnclosedRobot
+from gaitsmith.synthesis.proof.quantities import Measured
 from gaitsmith.synthesis.proof.taylor import DEGREE, Taylor, cross
 
 Array = npt.NDArray[np.float64]
@@ -93,7 +93,7 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
     loads = engine.inertial(motions)
     residual = engine.residual(motions, loads, both, states, torque.taylor)
     measured, contacts = _measured(
-        gait, biped, index, motions, states, (torque.taylor, rate.taylor), both, middles, spans
+        gait, biped, engine, index, motions, states, (torque.taylor, rate.taylor), both, middles, spans
     )
     return Enclosed(measured, residual, contacts, loads, middles, spans)
 
@@ -162,6 +162,7 @@ def _series(table: Array, middle: Array, half: Array) -> tuple[Array, Array]:
 def _measured(
     gait: Gait,
     biped: Biped,
+    engine: EnclosedRobot,
     index: int,
     motions: dict[int, BodyMotion],
     states: tuple[Taylor, Taylor, Taylor],
@@ -201,7 +202,8 @@ def _measured(
         *(*states, *torques, gait.moving),
         *(force, moment, push, turn - cross(rotation.by(pivot), push)),
         *(point(pivot)[0], rotation, torso.rotation, hip[2] - phase.height, ankle, ankle_speed),
-        *(own.point(stands.sole_position)[0], own.rotation.by(stands.sole_rotation)),
+        *(own.point(stands.sole_position)[0], own.rotation.by(stands.sole_rotation), torso.place),
+        centre=lambda: engine.centre(motions),
         profile=lambda lifts, lands: _profile(clock, lifts, lands),
     )
     return found, contacts

@@ -13,7 +13,7 @@ from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import about_vertical
-from gaitsmith.synthesis.proof.definitions import Measured, along_sole
+from gaitsmith.synthesis.proof.quantities import Measured, along_sole
 
 Array = npt.NDArray[np.float64]
 CLOSURE = ("position_mm", "velocity", "acceleration")
@@ -62,8 +62,9 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
     support, other = (wrench[6:], wrench[:6]) if phase.support == "right" else (wrench[:6], wrench[6:])
     count, pivot = len(times), biped.pivot(phase)
-    vectors, matrices = ("pivot", "ankle", "ankle_velocity", "own"), ("rotation", "torso", "level")
+    vectors, matrices = ("pivot", "ankle", "ankle_velocity", "own", "body"), ("rotation", "torso", "level")
     rows: dict[str, Any] = {"hip": np.zeros(count)}
+    centre = np.zeros((2, 3, count))
     rows |= {name: np.zeros((3, count)) for name in vectors} | {name: np.zeros((3, 3, count)) for name in matrices}
     leg, robot = biped.leg(phase.other_foot), biped.robot
     heel = -leg.sole_rotation.T @ leg.sole_position
@@ -79,6 +80,8 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         rows["own"][:, k], _, _, rows["level"][..., k], *_ = finder.foot(phase.support, np.zeros(3))
         torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
         rows["torso"][..., k] = torso
+        rows["body"][:, k] = finder.data.xpos[robot.torso_body]
+        centre[..., k] = finder.centre_of_mass(), finder.centre_velocity()
         rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2] - phase.height
         if phase.double:
             _closure(errors, corners - heel[:, None], goals, foot)
@@ -106,6 +109,7 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         support[:3],
         support[3:],
         other[:3],
+        centre=lambda: (centre[0], centre[1]),
         profile=profile,
         **rows,
     )

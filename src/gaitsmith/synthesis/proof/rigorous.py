@@ -14,9 +14,10 @@ from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped, biped_from
 from gaitsmith.synthesis.motions.motion import Phase
 from gaitsmith.synthesis.proof.box import Box, stability
-from gaitsmith.synthesis.proof.definitions import ROUNDING, Bound, corner_heights, own_heights, phase_bounds
+from gaitsmith.synthesis.proof.definitions import ROUNDING, Bound, phase_bounds
 from gaitsmith.synthesis.proof.dynamics import EnclosedRobot
 from gaitsmith.synthesis.proof.enclosure import Enclosed, enclose, first_stretches
+from gaitsmith.synthesis.proof.quantities import corner_heights, own_heights
 from gaitsmith.synthesis.proof.ranges import suprema
 from gaitsmith.synthesis.proof.taylor import Taylor
 

@@ -32,8 +32,9 @@ from gaitsmith.synthesis.proof.certificate import (
     tally,
     unloaded,
 )
-from gaitsmith.synthesis.proof.definitions import LOADED, Bound, Measured, corner_heights, own_heights, phase_bounds
+from gaitsmith.synthesis.proof.definitions import LOADED, Bound, phase_bounds
 from gaitsmith.synthesis.proof.measured import Errors, larger, measure, smaller
+from gaitsmith.synthesis.proof.quantities import Measured, corner_heights, own_heights
 
 Array = npt.NDArray[np.float64]
 CLOSURE = {"position_mm": 0.1, "velocity": 0.005, "acceleration": 0.5}

@@ -168,7 +168,7 @@ def _freed(
     settings: Settings,
     run: Callable[[Motion, PlanResult], PlanResult],
 ) -> tuple[Array, PlanResult]:
-    robot = planner.flying if motion(values).flies else planner
+    robot = planner.suited(motion(values))
     biped: Biped = robot.biped
 
     def slope(here: Array, result: PlanResult) -> Array:

@@ -16,7 +16,7 @@ from gaitsmith.synthesis.motions.motion import (
     turned,
     unit_of,
 )
-from gaitsmith.synthesis.program.bounds import quantity_form
+from gaitsmith.synthesis.program.quantities import quantity_form
 from gaitsmith.synthesis.program.transcription import Transcription
 
 _TOUCH = 1e-9  # m, m/s or a sine

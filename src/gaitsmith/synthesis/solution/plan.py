@@ -130,17 +130,20 @@ class Planner:
         self.biped: Biped = biped_from(robot, free)
         self.notify = notify
         self._compile_s: float | None = None  # reported once, by the first plan
+        self._others: dict[tuple[bool, bool], Planner] = {}
 
     @cached_property
     def functions(self) -> PointFunctions:
         """Of a point, compiled when they are first needed."""
         return point_functions(self.biped, self.notify)
 
-    @cached_property
-    def flying(self) -> Planner:
-        """The same for motions in which both feet leave the ground."""
-        found = Planner(self.biped.robot, self.notify)
-        found.biped = replace(self.biped, flies=True)
+    def suited(self, motion: Motion) -> Planner:
+        """The same, or one whose functions know flights, or the places of the robot's mass, if a motion has them."""
+        kind = motion.flies, motion.placed and not motion.flies
+        found = self if kind == (self.biped.flies, self.biped.placed) else self._others.get(kind)
+        if found is None:
+            found = self._others[kind] = Planner(self.biped.robot, self.notify)
+            found.biped = replace(self.biped, flies=kind[0], placed=kind[1])
         return found
 
     def plan(
@@ -163,13 +166,12 @@ class Planner:
         Raises:
             BadInput: the ZMP margin leaves nothing of the sole, or a line sole turns about its end.
         """
-        if motion.flies and not self.biped.flies:
-            return self.flying.plan(motion, settings, neighbour, start, report)
+        if self.suited(motion) is not self:
+            return self.suited(motion).plan(motion, settings, neighbour, start, report)
         settings = (settings or Settings()).sized(self.biped, motion.transfer, motion.lift)
         check_margin(self.biped, settings.bounds)
         check_roots(self.biped, motion, settings.order)
-        compiled = self.functions.compile_s if self._compile_s is None else 0.0
-        begin = time.perf_counter()
+        compiled, begin = self.functions.compile_s if self._compile_s is None else 0.0, time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
         relaxation, first = Relaxation(trans), 0
         times = {"setup": 0.0, "compile": compiled, "solve": 0.0, "check": 0.0}
