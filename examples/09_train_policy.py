@@ -12,7 +12,7 @@ import numpy as np
 
 from gaitsmith.learning import GaitTemplateEnv, Perceptron, write_policy
 
-TERRAIN = {"speed": (0.5, 0.0), "terrain": "boxes:0.09", "duration": 12.0}
+TERRAIN = {"speed": (0.5, 0.0), "terrain": "boxes:0.09", "duration": 20.0}
 HIDDEN = 2
 HELD_OUT = 10_000  # seeds from here on are for the comparison
 RANGES = {"period": (0.25, 0.45), "lift": (0.06, 0.2), "height": (0.6, 0.72)}

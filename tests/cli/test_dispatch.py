@@ -172,3 +172,10 @@ def test_help_loads_no_engine() -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
     assert done.stderr.strip() == "[]"
+
+
+def test_a_graphics_library_that_cannot_be_had_stops_no_command() -> None:
+    words = [sys.executable, "-m", "gaitsmith", "robots", "list"]
+    environment = {**os.environ, "MUJOCO_GL": "no such library"}
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

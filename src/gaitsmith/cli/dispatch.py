@@ -118,6 +118,7 @@ COMMANDS: dict[tuple[str, ...], Command] = {
 def run(words: list[str], interrupts: Interrupts) -> int:
     """Run one command line, and turn its end into an exit code and what is printed."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ["MUJOCO_GL"] = "off"  # pictures ask for their library by name; a value that it dislikes stops its import
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
     with _streams() as out, warnings.catch_warnings():
