@@ -33,7 +33,7 @@ def train(environment: GaitTemplateEnv, generations: int, population: int, episo
     """The mean policy after some generations."""
     card, random = environment.card, np.random.default_rng(0)
     size = Perceptron.size(card, HIDDEN)
-    mean, spread = np.zeros(size), np.full(size, 0.2)
+    mean, spread = np.zeros(size), np.full(size, 0.1)
     spread[-len(card.adjusted) :] = 0.6  # the constant part counts most
     for generation in range(generations):
         drawn = mean + spread * random.standard_normal((population, size))
@@ -48,7 +48,7 @@ def train(environment: GaitTemplateEnv, generations: int, population: int, episo
 
 
 def main(
-    generations: int = 6, population: int = 16, episodes: int = 6, held_out: int = 40, out: str = "policy.onnx"
+    generations: int = 5, population: int = 16, episodes: int = 6, held_out: int = 40, out: str = "policy.onnx"
 ) -> tuple[float, float]:
     environment = GaitTemplateEnv("bhr_b2", scenario=TERRAIN, adjust=tuple(RANGES), ranges=RANGES)
     policy = train(environment, generations, population, episodes)
