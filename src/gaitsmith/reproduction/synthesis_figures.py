@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
 from gaitsmith.reproduction.real import Real
-from gaitsmith.synthesis.gaits.support import contact_points, hull
-from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.view.canvas import COMMAND, GRID, LEFT, LIMIT, RIGHT, THIRD, above, figure, in_words, sole_corners
+from gaitsmith.view.canvas import COMMAND, GRID, LEFT, LIMIT, RIGHT, THIRD, above, figure, in_words
+from gaitsmith.view.gait_figures import draw_supports
 from gaitsmith.view.gait_trace import GaitTrace
 from gaitsmith.view.sticks import draw_shots, draw_side
 
@@ -105,7 +102,11 @@ def real_zmp(parts: Sequence[Real], names: Sequence[str], conditions: Sequence[s
     with figure(f"{title}: real ZMP and CoG in closed loop", 10.0, shown) as made:
         grid = made.subplots(4, len(parts), squeeze=False, height_ratios=(2.2, 1.2, 1.2, 1.2))
         for column, (real, name) in enumerate(zip(parts, names, strict=True)):
-            _plane(grid[0][column], real)
+            phases = dict.fromkeys(real.plan.phases)
+            draw_supports(grid[0][column], real.run.robot, phases, GRID)
+            begin = real.time <= 1.1 * sum(phase.duration for phase in phases)
+            grid[0][column].plot(*real.com[begin].T, color=THIRD, lw=1.2)
+            grid[0][column].plot(*real.zmp[begin].T, color=COMMAND, lw=0.9)
             grid[0][column].set_title(f"{name}, from above")
             _over_time(list(grid[1:, column]), real)
         grid[1][0].set_ylabel("x, m")
@@ -113,23 +114,6 @@ def real_zmp(parts: Sequence[Real], names: Sequence[str], conditions: Sequence[s
         grid[3][0].set_ylabel("inside the\npolygon, mm")
         made.legend(*grid[1][0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return made
-
-
-def _plane(axes: Axes, real: Real) -> None:
-    robot, biped = real.run.robot, biped_from(real.run.robot)
-    for phase in dict.fromkeys(real.plan.phases):
-        polygon = hull(contact_points(biped, phase))
-        axes.add_patch(Polygon(polygon, facecolor=GRID, edgecolor="none", zorder=0))
-        for leg, colour, side in ((0, LEFT, "left"), (1, RIGHT, "right")):
-            place = phase.place(side)  # type: ignore[arg-type]
-            if place is not None:
-                corners = np.asarray(place)[:2] + sole_corners(robot.legs[leg].sole)
-                axes.add_patch(Polygon(corners, fill=False, edgecolor=colour))
-    begin = real.time <= max(2.2 * sum(phase.duration for phase in dict.fromkeys(real.plan.phases)), 0.0) / 2.0
-    axes.plot(*real.com[begin].T, color=THIRD, lw=1.2)
-    axes.plot(*real.zmp[begin].T, color=COMMAND, lw=0.9)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x, m", ylabel="y, m")
 
 
 def _over_time(axes: Sequence[Axes], real: Real) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -64,16 +65,7 @@ def draw_ground(trace: GaitTrace) -> Figure:
 
 def draw_plane(axes: Axes, trace: GaitTrace) -> None:
     """From above: footprints, support polygons, ZMP and CoG; numbers are times, s."""
-    phases = trace.gait.motion.phases
-    biped = biped_from(trace.robot)
-    for phase in (phase for phase in phases if not phase.flies):
-        axes.add_patch(Polygon(hull(contact_points(biped, phase)), facecolor=BAND, edgecolor="none", zorder=0))
-    feet = [(side, phase.place(side), phase.facing(side)) for phase in phases for side in SIDES]
-    for side, place, heading in dict.fromkeys(feet):
-        if place is not None:
-            leg, colour = (0, LEFT) if side == "left" else (1, RIGHT)
-            corners = place + sole_corners(trace.robot.legs[leg].sole) @ about_vertical(heading)[:2, :2].T
-            axes.add_patch(Polygon(corners, fill=False, edgecolor=colour))
+    draw_supports(axes, trace.robot, trace.gait.motion.phases, BAND)
     for values, colour, name in ((trace.samples.com[:, :2], THIRD, "CoG"), (trace.samples.zmp, COMMAND, "ZMP")):
         axes.plot(*values.T, color=colour, lw=1.2, label=name)
     last = np.array([np.inf, 0.0])
@@ -86,10 +78,24 @@ def draw_plane(axes: Axes, trace: GaitTrace) -> None:
         axes.annotate(
             f"{trace.time[k]:.1f}", (x, y), xytext=(3, 3), textcoords="offset points", fontsize=8.0, color=COMMAND
         )
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x, m", ylabel="y, m")
     axes.set_title("from above; shaded: support polygons; numbers: time, s", fontsize=10.0)
     above(axes, 2)
+
+
+def draw_supports(axes: Axes, robot: Robot, phases: Collection[Phase], colour: str) -> None:
+    """Footprints and support polygons from above, to scale."""
+    biped = biped_from(robot)
+    for phase in phases:
+        if not phase.flies:
+            axes.add_patch(Polygon(hull(contact_points(biped, phase)), facecolor=colour, edgecolor="none", zorder=0))
+    feet = [(side, phase.place(side), phase.facing(side)) for phase in phases for side in SIDES]
+    for side, place, heading in dict.fromkeys(feet):
+        if place is not None:
+            leg, edge = (0, LEFT) if side == "left" else (1, RIGHT)
+            corners = place + sole_corners(robot.legs[leg].sole) @ about_vertical(heading)[:2, :2].T
+            axes.add_patch(Polygon(corners, fill=False, edgecolor=edge))
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x, m", ylabel="y, m")
 
 
 def draw_over_time(axes: tuple[Axes, Axes], trace: GaitTrace) -> None:
