@@ -52,7 +52,7 @@ def passes(r: Readings, c: int) -> bool:
 
     That is what happens in nearly every tick, and takes a fraction of their time.
     """
-    if r.what[c] != GOOD or r.lost[c] > 0:
+    if r.what[c] != GOOD or r.lost[c] > 0 or r.again[c] > 0:
         return False
     fine, moves, bound, gate = True, False, r.bound[c], r.gate[c]
     for i in range(r.first[c], r.first[c + 1]):

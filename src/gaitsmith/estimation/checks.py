@@ -16,13 +16,24 @@ from gaitsmith.compiled import kernel
 from gaitsmith.dynamics.rotation import turn_quaternion
 from gaitsmith.estimation.channel import is_valid, judge, judge_attitude, passes, settle
 from gaitsmith.estimation.inertial import check_inertial
-from gaitsmith.estimation.readings import ANGLES, ATTITUDE, CONTRADICTION, GOOD, POSITION, VELOCITY, Checking, Readings
+from gaitsmith.estimation.readings import (
+    ANGLES,
+    ATTITUDE,
+    CONTRADICTION,
+    GOOD,
+    JUMP,
+    POSITION,
+    VELOCITY,
+    Checking,
+    Readings,
+)
 from gaitsmith.estimation.sole_force import check_force
 from gaitsmith.whole_body.reference import NONE
 
 _FALLEN = 0.9  # rad of tilt from which no torque brings the torso back
 _SHARE = 0.2  # of a new difference in the smoothed one
 _RATE_ERROR = 0.15  # ω, smoothed, that a joint's rate may differ from its angle's slope
+_STRUCK = 0.5  # of the gate: by which a joint that was struck leaves the model behind in every tick
 _SOLE_GAIN = 0.1  # of the sole's tilt on the angle that stands in for a joint of the standing leg, per tick
 
 
@@ -114,6 +125,32 @@ def _lay_sole_flat(g: Checking, leg: int, joint: int) -> bool:
 
 
 @kernel
+def _is_struck(g: Checking, j: int, dt: float, estimated: bool) -> bool:
+    """Whether a joint that jumped is waited for, or moves on as fast: then it was struck, and its encoder is good.
+
+    A joint that a foot's impact sets in motion leaves the model behind by a step in every tick; an encoder that breaks
+    does so once. The angle of the first tick is the model's.
+    """
+    r, c, state = g.readings, ANGLES + j, g.state
+    place, slope = r.first[c], r.slope[6 + j]
+    rate = r.rate[j] if estimated else g.body.v[6 + j]
+    beyond = dt * (slope - rate)
+    if r.again[c] == 0:
+        r.again[c] = 1
+        state.joint_previous[j] = r.wanted[place] - dt * rate
+        r.values[place] = r.wanted[place]
+        return True
+    off = r.values[place] - r.wanted[place]
+    if off * beyond <= 0.0 or abs(beyond) < _STRUCK * r.gate[c]:
+        return False
+    r.again[c] = 0
+    r.rate[j] = state.joint_velocity[j] = slope
+    state.joint_previous[j] = r.values[place] - dt * slope
+    r.wanted[place] = r.values[place]
+    return True
+
+
+@kernel
 def _check_angles(g: Checking, dt: float, estimated: bool) -> None:
     """Joint angles: by their rates, or, with sensors alone, by the sole that the leg stands on."""
     r, legs = g.readings, g.body.legs
@@ -124,6 +161,9 @@ def _check_angles(g: Checking, dt: float, estimated: bool) -> None:
             continue
         was, place = r.lost[c], r.first[c]
         what, seen = judge(r, c, dt), not estimated and r.lost[c + r.rate.shape[0]] == 0
+        if what == JUMP and r.what[c] == GOOD and _is_struck(g, j, dt, estimated):
+            r.valid[6 + j] = 0
+            continue
         leg = legs.leg_of_joint[j]
         if estimated and r.lost[c] > 0 and leg >= 0 and _rests_on(g, leg):
             seen = _lay_sole_flat(g, leg, j)

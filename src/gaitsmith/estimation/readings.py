@@ -49,7 +49,7 @@ class Readings(NamedTuple):
         read: (m,) 1 if the controller reads the channel.
         still: (m,) ticks for which a reading has not changed.
         lost: (m,) ticks for which a channel has been replaced; 0 for a good one.
-        again: (m,) ticks for which a lost channel has looked good.
+        again: (m,) ticks for which a lost channel has looked good; 1 for a good one that has just jumped.
         blind: (m,) ticks for which the model alone has stood in.
         what: (m,) what is wrong, one of :data:`WHAT`.
         slope: (nv,) velocity by differences of positions, m/s and rad/s.

@@ -13,6 +13,7 @@ _FORCE_STILL = 20  # ticks without change after which the force below a sole in 
 _SLOW = 0.08  # √(gz): speed below which a sole rests
 _HIGH, _LOW = 0.04, 0.004  # z: above the standing sole: cannot have landed on the level; has landed
 _HELD = 8  # ticks for which a force may be odd
+_WAIT = 0.15  # 1/ω after the period for which a sole that has met no ground may hang before it follows its descent
 
 
 @kernel
@@ -46,8 +47,9 @@ def check_force(g: Checking, leg: int, swing: int, time: float, period: float, e
         bears = r.values[r.first[c - leg + other]] > least and r.lost[c - leg + other] == 0
         stopped = bears and time > period and abs(frames.sole_twist[leg, 2]) < 0.3 * slow
         landed = time > earliest and (height < _LOW * r.height_unit[0] or stopped)
+        rests = stopped and time > period + _WAIT / r.rate_unit[0]
         if what == GOOD:
-            what = _odd_force(r, leg, c, force > least, landed and stopped, height, speed, slow, time > earliest)
+            what = _odd_force(r, leg, c, force > least, rests, height, speed, slow, time > earliest)
     else:
         r.odd[leg] = 0
         same = (was == STUCK and r.still[c] > 0) or was == HIGH or (was == UNLOADED and force <= least)
