@@ -15,7 +15,9 @@ COUNT = 3  # stretches
 def models(seed, *shape, size=1.0):
     rng = np.random.default_rng(seed)
     shrink = (0.3 ** np.arange(6)).reshape(-1, *(1,) * (len(shape) + 1))
-    return Taylor.of(size * rng.normal(size=(6, *shape, COUNT)) * shrink)
+    coefficients = np.zeros((DEGREE + 1, *shape, COUNT))
+    coefficients[:6] = size * rng.normal(size=(6, *shape, COUNT)) * shrink
+    return Taylor(coefficients, np.zeros((*shape, COUNT)))
 
 
 def at(model, s, place):

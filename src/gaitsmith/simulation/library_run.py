@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from gaitsmith.robots import Robot
     from gaitsmith.simulation.scenario import Scenario
 
-INPUTS = ("speed", "lift", "period")
-"""Gait inputs that a library can have axes for."""
 _FASTER = 0.02  # √(gz), most change of speed from one step to the next
 _OTHER = 0.1  # of a value, most change of it from one step to the next
 

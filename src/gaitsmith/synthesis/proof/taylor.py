@@ -36,14 +36,6 @@ class Taylor:
         self.c, self.r = coefficients, radius
 
     @classmethod
-    def of(cls, coefficients: Array) -> Taylor:
-        """Polynomials (k, ..., N) of any degree; what is beyond DEGREE goes into the radius."""
-        c = np.zeros((DEGREE + 1, *coefficients.shape[1:]))
-        kept = min(len(coefficients), DEGREE + 1)
-        c[:kept] = coefficients[:kept]
-        return cls(c, np.abs(coefficients[kept:]).sum(axis=0) * _SPARE)
-
-    @classmethod
     def constant(cls, values: Array, count: int) -> Taylor:
         """Exact numbers (...) in all N stretches."""
         c = np.zeros((DEGREE + 1, *np.shape(values), count))
