@@ -32,11 +32,12 @@ VALUES = {
     "--rise": "0.04",
     "--tread": "0.22",
     "--steps": "4",
+    "--slope": "-3",
     "--jobs": "2",
     "--out": "g.json",
     "--figures": "figures",
 }
-WALKS = {"--free-times", "--speed", "--step-length", "--period", "--step-height", "--double-support"}
+WALKS = {"--free-times", "--slope", "--speed", "--step-length", "--period", "--step-height", "--double-support"}
 SOLVE = {"--order", "--zmp-margin", "--friction", "--max-iterations", "--out", "--figures"}
 MEANT = {
     **dict.fromkeys(("cyclic", "start", "stop"), WALKS | SOLVE),

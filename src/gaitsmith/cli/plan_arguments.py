@@ -29,6 +29,7 @@ _APPLIES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("period", "step_height", "double_support"), (*_WALKS, "stairs", "turn")),
     **dict.fromkeys(("rise", "tread"), ("stairs",)),
     "steps": ("stairs", "turn"),
+    "slope": _WALKS,
     "angle": ("turn",),
     "jump_height": ("jump",),
     "cycles": ("walk",),
@@ -130,6 +131,11 @@ class PlanArguments(Arguments):
         float | None,
         About("Of a turn: heading of every step against the one before, to the left", "degrees", "DEG", "15"),
     ] = None
+    slope: Annotated[
+        float | None,
+        Field(ge=-25.0, le=25.0),
+        About("Of the ground: how steeply it rises ahead; negative: falls", "degrees", "DEG", "0"),
+    ] = None
     order: Annotated[
         Literal[4, 5] | None,
         About("Degree of the joint splines: 4 as in the paper, or 5", absent=_SETTINGS["order"].default),
@@ -216,6 +222,7 @@ def request_from(arguments: PlanArguments, task: str, leg: float = LEG, usual: f
         return _turn(arguments, settings, leg)
     length, period = stride(arguments.speed, arguments.step_length, arguments.period, leg, usual)
     shape = _given(height=arguments.step_height, double_support=arguments.double_support)
+    shape |= {} if arguments.slope is None else {"slope": math.radians(arguments.slope)}
     step = StepParameters.sized(leg, length, period, **shape)
     faster = arguments.step_length is None and arguments.period is None
     more = _given(cycles=arguments.cycles, free_times=arguments.free_times)

@@ -329,9 +329,9 @@ def newton_euler(
     return result
 
 
-def at_rest(model: Any, rotation: Any = None, position: Any = None) -> BodyMotion:
-    """Motion of a root that does not move, gravity included; its pose is the identity unless given."""
+def at_rest(model: Any, rotation: Any = None, position: Any = None, gravity: Any = None) -> BodyMotion:
+    """Motion of a root that does not move, gravity included: the model's unless given, as its pose is the identity."""
     R = ca.DM.eye(3) if rotation is None else ca.DM(rotation)
     p = ca.DM.zeros(3) if position is None else ca.DM(position)
-    zero = ca.DM.zeros(3)
-    return BodyMotion(R, p, zero, zero, zero, -ca.mtimes(R.T, ca.DM(model.opt.gravity)))
+    zero, pull = ca.DM.zeros(3), ca.DM(model.opt.gravity) if gravity is None else gravity
+    return BodyMotion(R, p, zero, zero, zero, -ca.mtimes(R.T, pull))

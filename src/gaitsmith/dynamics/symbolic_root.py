@@ -14,11 +14,11 @@ from gaitsmith.dynamics.symbolic import BodyMotion, InverseDynamics, turn_about
 Array = npt.NDArray[np.float64]
 
 
-def flying(model: Any, rotation: Array, point: Array, pose: Any, rate: Any, pull: Any) -> BodyMotion:
+def flying(gravity: Any, rotation: Array, point: Array, pose: Any, rate: Any, pull: Any) -> BodyMotion:
     """Motion of a root of which a point moves freely.
 
     Args:
-        model: the ``MjModel``.
+        gravity: (3,) inertial frame, m/s².
         rotation: (3, 3) root to inertial frame at pose zero.
         point: (3,) in the root's frame, m.
         pose, rate, pull: (6,) the point's x, y, z, m; yaw, pitch and roll, turned in this order, rad; two derivatives.
@@ -32,7 +32,7 @@ def flying(model: Any, rotation: Array, point: Array, pose: Any, rate: Any, pull
     bend = bend + ca.cross(spin, ahead) * rate[5]
     R = ca.mtimes(sole, ca.DM(rotation))
     omega, alpha = ca.mtimes(R.T, spin + ahead * rate[5]), ca.mtimes(R.T, bend)
-    arm, gravity = ca.DM(-point), ca.DM(model.opt.gravity)
+    arm = ca.DM(-point)
     across = ca.cross(omega, arm)
     pulled = ca.mtimes(R.T, pull[:3] - gravity) + ca.cross(alpha, arm) + ca.cross(omega, across)
     return BodyMotion(R, pose[:3] + ca.mtimes(R, arm), omega, ca.mtimes(R.T, rate[:3]) + across, alpha, pulled)

@@ -137,6 +137,8 @@ def _ground(scenario: Scenario, place: float) -> list[Suspect]:
     words = {"slope": f"slope of {terrain.amount:g}°", "cross": f"slope across of {terrain.amount:g}°"}
     if terrain.kind in words and place > SLOPE_START - _NEAR and terrain.amount != 0.0:
         return [Suspect("terrain", words[terrain.kind])]
+    if terrain.kind == "ramp" and not scenario.gait and terrain.amount != 0.0:
+        return [Suspect("terrain", f"ground that rises by {terrain.amount:g}°")]
     if terrain.kind == "boxes" and terrain.amount > 0.0:
         return [Suspect("terrain", f"boxes of {terrain.amount:g} m")]
     return []

@@ -43,6 +43,8 @@ def completed(fields: Mapping[str, Any]) -> dict[str, Any]:
     gaits = [read_gait(path)[0] for path in found["gait"]]
     if "robot" not in found:
         found["robot"] = load_robot_of(gaits[0]).card.name
+    if gaits[0].motion.slope and "terrain" not in found:
+        found["terrain"] = f"ramp:{math.degrees(gaits[0].motion.slope):.12g}"
     if "duration" not in found:
         from gaitsmith.robots import load_robot
 

@@ -127,7 +127,7 @@ class Scenario(Command):
         About(
             "Ground: flat, a slope (uphill positive), a slope across (left side up), random boxes up to a height, "
             "stairs, or a patch of ice",
-            metavar="flat|slope:DEG|cross:DEG|boxes:M|stairs:RISE,TREAD,EDGE,COUNT|ice:MU,FROM,LENGTH",
+            metavar="flat|slope:DEG|ramp:DEG|cross:DEG|boxes:M|stairs:RISE,TREAD,EDGE,COUNT|ice:MU,FROM,LENGTH",
         ),
     ] = "flat"
     footholds: Annotated[

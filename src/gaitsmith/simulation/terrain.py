@@ -14,8 +14,8 @@ from gaitsmith.errors import BadInput
 
 Array = npt.NDArray[np.float64]
 VALID = (
-    "flat, slope:DEGREES or cross:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), stairs:RISE,TREAD,EDGE,COUNT, "
-    "or ice:FRICTION,FROM,LENGTH (0.05 to 5, from 0.3 m ahead on)"
+    "flat, slope:DEGREES, ramp:DEGREES or cross:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), "
+    "stairs:RISE,TREAD,EDGE,COUNT, or ice:FRICTION,FROM,LENGTH (0.05 to 5, from 0.3 m ahead on)"
 )
 SLOPE_START = 0.6  # m ahead of the origin: the start stance is level
 BOX_PITCH = 0.3
@@ -50,10 +50,11 @@ class Terrain:
     """One kind of ground.
 
     Attributes:
-        kind: ``flat``; ``slope``, level until 0.6 m ahead of the origin and then inclined about y; ``boxes``, a grid
-            of 0.3 m pitch with heights drawn evenly from 0 to ``amount``, level within about 1 m of the origin;
-            ``stairs`` up from z = 0, or down to it; ``cross``, level until 0.6 m ahead and then inclined about x;
-            ``ice``, flat with a patch across the path that has a friction of its own.
+        kind: ``flat``; ``slope``, level until 0.6 m ahead of the origin and then inclined about y; ``ramp``, inclined
+            everywhere, through the origin; ``boxes``, a grid of 0.3 m pitch with heights drawn evenly from 0 to
+            ``amount``, level within about 1 m of the origin; ``stairs`` up from z = 0, or down to it; ``cross``, level
+            until 0.6 m ahead and then inclined about x; ``ice``, flat with a patch across the path that has a friction
+            of its own.
         amount: inclination in degrees (uphill, or left side up, positive), largest box height in m, how much higher
             every tread is than the one before, m, negative for stairs that lead down, or friction of the ice; 0 for
             flat ground.
@@ -62,7 +63,7 @@ class Terrain:
         patch: where ice begins and how long it is, m ahead of the origin.
     """
 
-    kind: Literal["flat", "slope", "cross", "boxes", "stairs", "ice"] = "flat"
+    kind: Literal["flat", "slope", "ramp", "cross", "boxes", "stairs", "ice"] = "flat"
     amount: float = 0.0
     seed: int = 0
     tread: float = 0.2
@@ -78,6 +79,8 @@ class Terrain:
         """Heights at (n,) places, m."""
         if self.kind == "slope":
             return np.asarray(np.maximum(x - SLOPE_START, 0.0) * math.tan(math.radians(self.amount)))
+        if self.kind == "ramp":
+            return np.asarray(x * math.tan(math.radians(self.amount)))
         if self.kind == "cross":
             return np.where(x > SLOPE_START, y * math.tan(math.radians(self.amount)), 0.0)
         if self.kind == "boxes":
@@ -98,6 +101,8 @@ class Terrain:
         """Boxes of ground that cover ``region``, besides the level plane; none farther than 60 m from the origin."""
         if self.kind == "slope":
             return _slope_blocks(math.radians(self.amount), region)
+        if self.kind == "ramp":
+            return [_ramp_block(math.radians(self.amount), region)]
         if self.kind == "cross":
             return _cross_blocks(math.radians(self.amount), region)
         if self.kind == "ice":
@@ -153,6 +158,8 @@ def parse_terrain(text: str, seed: int = 0) -> Terrain:
         return Terrain("cross", amount)
     if kind == "slope" and abs(amount) <= 30.0:
         return Terrain("slope", amount)
+    if kind == "ramp" and abs(amount) <= 30.0:
+        return Terrain("ramp", amount)
     if kind == "boxes" and 0.0 <= amount <= 0.3:
         return Terrain("boxes", amount, seed)
     raise BadInput("terrain", text, VALID)
@@ -180,6 +187,14 @@ def _slope_blocks(angle: float, region: Region) -> list[Block]:
     half = ahead / 2
     centre = (SLOPE_START + half * along[0] - depth / 2 * up[0], 0.0, half * along[1] - depth / 2 * up[1])
     return [level, Block(centre, (half, breadth, depth / 2), -angle)]
+
+
+def _ramp_block(angle: float, region: Region) -> Block:
+    """Ground turned about the y axis, whose top contains that axis."""
+    back, ahead, breadth = _bounds(region)
+    centre = ((back + ahead) / 2 * math.cos(angle) + 0.5 * math.sin(angle), 0.0)
+    height = (back + ahead) / 2 * math.sin(angle) - 0.5 * math.cos(angle)
+    return Block((*centre, height), ((ahead - back) / 2 / math.cos(angle), breadth, 0.5), -angle)
 
 
 def _level(first: float, last: float, breadth: float, friction: float | None = None) -> Block:

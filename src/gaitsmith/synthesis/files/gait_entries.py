@@ -13,7 +13,7 @@ from gaitsmith.documents import Name, checked
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, Piece
-from gaitsmith.synthesis.motions.contacts import check_contacts
+from gaitsmith.synthesis.motions.contacts import check_contacts, check_slope
 from gaitsmith.synthesis.motions.motion import (
     JOINT_QUANTITIES,
     QUANTITIES,
@@ -55,6 +55,7 @@ Number = Annotated[float, Field(ge=-1e6, le=1e6)]
 Amount = Annotated[float, Field(ge=-1e3, le=1e3)]  # m, m/s or the sine of an angle
 Place = tuple[Amount, Amount]
 Height = Annotated[float, Field(ge=-10.0, le=10.0)]  # m
+Slope = Annotated[float, Field(ge=-0.5, le=0.5)]  # rad
 Heading = Annotated[float, Field(ge=-1e3, le=1e3)]  # rad
 _Border = Annotated[int, Field(ge=0)]
 _Joints = Annotated[tuple[Number, ...], Field(max_length=200)]
@@ -157,6 +158,7 @@ class GaitEntries(Parameters):
     motion: Name
     cyclic: bool
     total_duration: Annotated[float, Field(gt=0.0, le=LONGEST)] | None = None
+    slope: Slope = 0.0
     order: Literal[4, 5]
     parameters: dict[Name, Number]
     # A default would hide what a gait was planned for.
@@ -201,13 +203,14 @@ def gait_from(document: dict[str, Any]) -> Gait:
     conditions = tuple(
         _condition(item, f"conditions[{index}]", len(phases), joints) for index, item in enumerate(entries.conditions)
     )
+    told = entries.cyclic, entries.parameters, entries.total_duration, entries.slope
+    motion = Motion(entries.motion, tuple(phases), conditions, *told)
+    check_slope(motion)
     return Gait(
         robot=entries.robot,
         robot_hash=entries.robot_hash,
         joint_names=joints,
-        motion=Motion(
-            entries.motion, tuple(phases), conditions, entries.cyclic, entries.parameters, entries.total_duration
-        ),
+        motion=motion,
         pieces=tuple(groups),
         bounds=entries.bounds.model_dump(),
         order=entries.order,

@@ -57,6 +57,7 @@ def gait_document(gait: Gait) -> dict[str, Any]:
         "robot_hash": gait.robot_hash,
         "motion": gait.motion.name,
         "cyclic": gait.motion.cyclic,
+        **({"slope": gait.motion.slope} if gait.motion.slope else {}),
         **({} if gait.motion.total is None else {"total_duration": gait.motion.total}),
         "order": gait.order,
         "parameters": gait.motion.parameters,

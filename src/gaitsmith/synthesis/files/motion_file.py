@@ -23,6 +23,7 @@ from gaitsmith.synthesis.files.gait_entries import (
     Place,
     QuantityName,
     Range,
+    Slope,
 )
 from gaitsmith.synthesis.motions.biped import Biped, standing
 from gaitsmith.synthesis.motions.contacts import check_contacts
@@ -83,6 +84,7 @@ class MotionText(Parameters):
         name: of the motion; it decides nothing.
         cyclic: whether the end is the mirror image of the start, one step further.
         total_duration: of all phases together, s, which free ones keep.
+        slope: by which the ground rises along x, rad.
         standing_height: hips above the soles in the standing posture, m; 3 cm below straight legs if absent.
         phases: in order of time.
         conditions: at the ends of phases; ``after`` names the phase, and is absent for the start of the motion.
@@ -92,6 +94,7 @@ class MotionText(Parameters):
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,40}$")]
     cyclic: bool = False
     total_duration: Annotated[float, Field(gt=0.0)] | None = None
+    slope: Slope = 0.0
     standing_height: Annotated[float | None, Field(gt=0.0, le=10.0)] = None
     phases: Annotated[tuple[_PhaseText, ...], Field(min_length=1, max_length=PHASES)]
     conditions: Annotated[tuple[_ConditionText, ...], Field(max_length=2 * PHASES)] = ()
@@ -130,19 +133,19 @@ def _motion(text: MotionText, biped: Biped, gap: float) -> Motion:
     _check_footholds(phases, biped, gap)
     rest = None
     if any(item.standing for item in text.conditions):
-        rest = _standing(biped, text.standing_height)
+        rest = _standing(biped, text.standing_height, text.slope)
     conditions: list[Condition] = []
     for index, item in enumerate(text.conditions):
         conditions += _conditions(item, f"conditions[{index}]", names, rest, biped)
     lasting = sum(phase.duration for phase in phases)
     if text.total_duration is not None and abs(text.total_duration - lasting) > CLOCK:
         raise BadInput("total_duration", text.total_duration, f"{lasting:.6g} s, the sum of the phases' durations")
-    return Motion(text.name, phases, tuple(conditions), text.cyclic, total=text.total_duration)
+    return Motion(text.name, phases, tuple(conditions), text.cyclic, total=text.total_duration, slope=text.slope)
 
 
-def _standing(biped: Biped, height: float | None) -> Array:
+def _standing(biped: Biped, height: float | None, slope: float) -> Array:
     try:
-        return standing(biped, height)
+        return standing(biped, height, slope)
     except BadInput as error:
         raise BadInput("standing_height", error.value, error.valid, error.remedy) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 import mujoco
@@ -34,11 +35,20 @@ class StateFinder:
 
     Args:
         robot: the robot.
+        slope: by which the ground rises along x, rad.
+        level: whether the world's z is up; else it is the ground's normal, and gravity is inclined.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        self.robot, self.model = robot, robot.model
-        self.data = mujoco.MjData(robot.model)
+    def __init__(self, robot: Robot, slope: float = 0.0, level: bool = False) -> None:
+        self.robot, self.model, self.ground = robot, robot.model, np.eye(3)
+        sine, cosine = np.sin(slope), np.cos(slope)
+        tilt = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])  # of the ground
+        if slope and level:
+            self.ground = tilt
+        elif slope:
+            self.model = copy.copy(robot.model)
+            self.model.opt.gravity[:] = tilt.T @ robot.model.opt.gravity
+        self.data = mujoco.MjData(self.model)
         self._sites = {leg.name: robot.model.site(leg.sole_site).id for leg in robot.legs}
         self._jacobian = np.zeros((6, robot.model.nv))
         self._rate = np.zeros((6, robot.model.nv))
@@ -69,14 +79,13 @@ class StateFinder:
         mujoco.mj_kinematics(model, data)
         turn = data.site_xmat[site].reshape(3, 3).T.copy()
         place, spin, bend = np.array([*foothold, 0.0][:3]), np.zeros(6), np.zeros(6)
-        ahead = about_vertical(heading)
+        ahead, place = self.ground @ about_vertical(heading), self.ground @ place
         if root is not None:
             rotation, spin[3:], bend[3:] = turned(*root[:, 3:])
             turn, spin[:3], bend[:3] = rotation @ turn, root[1, :3], root[2, :3]
             place = place + ahead @ root[0, :3]
             spin, bend = ((ahead @ values.reshape(2, 3).T).T.ravel() for values in (spin, bend))
-        if heading:
-            turn = ahead @ turn
+        turn = ahead @ turn
         data.qpos[:3] = place - turn @ data.site_xpos[site]
         mujoco.mju_mat2Quat(data.qpos[3:7], turn.ravel())
         data.qvel[:6] = 0.0

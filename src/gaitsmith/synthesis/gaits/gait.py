@@ -169,7 +169,7 @@ def unrolled(gait: Gait, partner: npt.NDArray[np.int64], sign: Array, steps: int
             current = follow(current, gait, step % 2 == 1 and gait.motion.mirrored, partner, sign)
         phases += current.motion.phases
         pieces += current.pieces
-    motion = Motion(gait.motion.name, tuple(phases), (), False, gait.motion.parameters)
+    motion = replace(gait.motion, phases=tuple(phases), conditions=(), cyclic=False)
     return replace(gait, motion=motion, pieces=tuple(pieces))
 
 

@@ -27,11 +27,12 @@ class Sections:
 
     Args:
         robot: the robot.
+        slope: of the ground along x, rad; curves are those of a world whose z is up.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, slope: float) -> None:
         self.robot = robot
-        self.finder = StateFinder(robot)
+        self.finder = StateFinder(robot, slope, level=True)
         self.names: dict[str, int] = {}
         self._known: dict[bytes, list[int]] = {}
         self._rows: list[dict[str, Any]] = []

@@ -57,11 +57,14 @@ def walkable(gaits: Sequence[Gait], robot: Robot, cycles: int | None = None) -> 
     Schedule(tuple(contacts))
     if loop is not None:
         Schedule(tuple(contacts[loop[0] : loop[1]]), cyclic=True)
-    sections = Sections(robot)
+    slopes = {gait.motion.slope for gait in gaits}
+    if len(slopes) > 1:
+        raise BadInput("--gait", f"slopes of {sorted(slopes)} rad", "gaits for one slope")
+    sections = Sections(robot, slopes.pop())
     sequence: list[int] = []
     first_visits: list[int] = []
     for contact, (_, pieces), begin, frame in zip(
-        contacts, row, _stretches(contacts), _frames(row, contacts, loop, robot), strict=True
+        contacts, row, _stretches(contacts), _frames(row, contacts, loop, sections), strict=True
     ):
         first_visits.append(len(sequence))
         within = begin[0]
@@ -143,10 +146,10 @@ def _stretches(contacts: list[ContactPhase]) -> list[tuple[float, float]]:
 
 
 def _frames(
-    row: _Row, contacts: list[ContactPhase], loop: tuple[int, int, int] | None, robot: Robot
+    row: _Row, contacts: list[ContactPhase], loop: tuple[int, int, int] | None, sections: Sections
 ) -> list[tuple[Array, ...]]:
     """Of every phase, the soles' weights at both ends of its stretch, and their places relative to the support sole."""
-    soles = len(robot.legs)
+    soles = len(sections.robot.legs)
     alone = [contact.support if sum(contact.bearing) == 1 else None for contact in contacts]
     world = np.zeros((soles, 4))
     found = []
@@ -160,7 +163,7 @@ def _frames(
             world[1 - contact.support] = (*phase.other, phase.other_height, phase.other_heading)
         standing = np.array(contact.bearing)[:, None]
         place = world - world[contact.support]
-        place[:, :3] = place[:, :3] @ about_vertical(phase.heading)
+        place[:, :3] = place[:, :3] @ about_vertical(phase.heading) @ sections.finder.ground.T
         found.append((*weights, np.where(standing, place, 0.0)))
     return found
 

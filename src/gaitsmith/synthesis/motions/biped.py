@@ -65,6 +65,7 @@ class Biped:
         ankle_height: origin of the body that carries the sole above the sole, m.
         weight: total weight, N.
         flies: whether the support sole may leave the ground: its pose is then six coordinates more.
+        slopes: whether the ground may be inclined: the direction of gravity is then a parameter of a point.
         placed: whether the places of the centre of mass and the torso are among what is computed of a point.
     """
 
@@ -80,6 +81,7 @@ class Biped:
     weight: float
     flies: bool = False
     placed: bool = False
+    slopes: bool = False
 
     @property
     def joints(self) -> int:
@@ -155,7 +157,7 @@ class Biped:
         digest = hashlib.sha256()
         for name in _PHYSICS:
             digest.update(np.ascontiguousarray(getattr(self.model, name)).tobytes())
-        digest.update(bytes([self.flies, self.placed]))
+        digest.update(bytes([self.flies, self.placed, self.slopes]))
         for values in (self.model.opt.gravity, self.index, self.partner, self.sign, self.home[self.held]):
             digest.update(np.array(values).tobytes())
         digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric, self.lines]))
@@ -301,24 +303,25 @@ def biped_from(robot: Robot, free: Sequence[str] | None = None) -> Biped:
     return replace(biped, asymmetry=_asymmetry(biped))
 
 
-def _standing(biped: Biped, height: float | None = None) -> Array:
+def _standing(biped: Biped, height: float | None = None, slope: float = 0.0) -> Array:
     """(N,) standing posture of all joints."""
     height = biped.height * (1.0 - REST) if height is None else height
     sole = biped.robot.legs[0].sole
-    return standing_joints(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0)
+    return standing_joints(biped.robot, height, biped.width / 2.0, (sole.toe - sole.heel) / 2.0, slope)
 
 
-def standing(biped: Biped, height: float | None = None) -> Array:
+def standing(biped: Biped, height: float | None = None, slope: float = 0.0) -> Array:
     """q0 (n,) of eqs. (21) and (24): soles side by side, torso upright, centre of mass over the soles' middle.
 
     Args:
         biped: the robot.
         height: hip midpoint above the soles, m; a thirteenth less than with straight legs if None.
+        slope: by which the ground rises ahead, rad.
 
     Raises:
         BadInput: the legs do not reach.
     """
-    return _standing(biped, height)[biped.index]
+    return _standing(biped, height, slope)[biped.index]
 
 
 def standing_leans(biped: Biped, joints: Array) -> Array:

@@ -35,6 +35,7 @@ class StepParameters:
         rise: of stairs, by which every step is higher, m; negative where they lead down.
         base: height of the ground on which a walk on stairs begins, m.
         turn: heading of a foothold against the one before, rad.
+        slope: by which the ground rises ahead, rad.
     """
 
     length: float
@@ -50,6 +51,7 @@ class StepParameters:
     rise: float = 0.0
     base: float = 0.0
     turn: float = 0.0
+    slope: float = 0.0
 
     @property
     def transfer(self) -> float:
@@ -175,7 +177,9 @@ def cyclic(biped: Biped, step: StepParameters) -> Motion:
     for border in range(0, steps * first, first):
         conditions += _apex(biped, step, border + 1)
         conditions += [] if biped.lines else [_strike(step, border + 2), _off(step, border + first)]
-    return Motion("cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=record("cyclic", step))
+    return Motion(
+        "cyclic", tuple(phases), tuple(conditions), cyclic=True, parameters=record("cyclic", step), slope=step.slope
+    )
 
 
 def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Array, Array]) -> Motion:
@@ -201,7 +205,7 @@ def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Ar
         _strike(step, 8),
         State(11, *goal),
     )
-    return Motion("start", tuple(phases), conditions, parameters=record("start", step))
+    return Motion("start", tuple(phases), conditions, parameters=record("start", step), slope=step.slope)
 
 
 def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Array, Array]) -> Motion:
@@ -219,7 +223,7 @@ def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Ar
         *_apex(biped, step, 6),
         State(8, rest, np.zeros_like(rest), np.zeros_like(rest)),
     )
-    return Motion("stop", tuple(phases), conditions, parameters=record("stop", step))
+    return Motion("stop", tuple(phases), conditions, parameters=record("stop", step), slope=step.slope)
 
 
 def kick(biped: Biped, parameters: KickParameters, rest: Array) -> Motion:

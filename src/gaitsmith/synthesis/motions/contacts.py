@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.motion import Motion, Phase
 
 _SAME = 1e-6  # m, rad: footholds that count as one
 _TWIST = 1.0  # rad: largest heading of one sole against the other
@@ -39,6 +39,17 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
         )
     if cyclic:
         _check_cycle(phases[0], phases[-1], keys)
+
+
+def check_slope(motion: Motion) -> None:
+    """Refuse what is not known of inclined ground.
+
+    Raises:
+        BadInput: a slope with flights or with soles that are turned.
+    """
+    turned = any(phase.heading or phase.other_heading for phase in motion.phases)
+    if motion.slope and (turned or motion.flies):
+        raise BadInput("slope", motion.slope, "0 for a motion with turned soles or flights")
 
 
 def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) -> None:

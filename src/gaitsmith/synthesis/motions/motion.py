@@ -263,6 +263,7 @@ class Motion:
             supports.
         parameters: what the motion was made from, for the record.
         total: duration that free phases keep together with the others, s; None if they need not.
+        slope: by which the ground, and the world with it, rises along x, rad: its z is the ground's normal.
     """
 
     name: str
@@ -271,6 +272,7 @@ class Motion:
     cyclic: bool = False
     parameters: dict[str, float] = field(default_factory=dict)
     total: float | None = None
+    slope: float = 0.0
 
     @property
     def borders(self) -> Array:

@@ -21,7 +21,7 @@ from gaitsmith.synthesis.point.layout import PointLayout, layout_of, sides_of
 def point_expressions(biped: Biped) -> list[Any]:
     """Value, Jacobian and Hessian for every support foot of :func:`sides_of`, in CasADi's virtual machine."""
     layout = layout_of(biped)
-    z, pivot = ca.SX.sym("z", layout.inputs), ca.SX.sym("pivot", 3)
+    z, pivot = ca.SX.sym("z", layout.inputs), ca.SX.sym("pivot", 6 if biped.slopes else 3)
     multipliers = ca.SX.sym("l", layout.twist)
     cores = []
     for side in sides_of(biped):
@@ -56,18 +56,20 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         places = (layout.position + local, layout.velocity + local, layout.acceleration + local)
         q[7 + joint], v[6 + joint], a[6 + joint] = (sign[local] * z[k] for k in places)
     u = z[layout.wrench :]
+    gravity = pivot[3:] if biped.slopes else ca.DM(model.opt.gravity)
+    pivot = pivot[:3]
     support, other = biped.leg(side), biped.leg(opposite(side))
     turn = support.sole_rotation.T
-    start = symbolic.at_rest(model, turn, -turn @ support.sole_position)
+    start = symbolic.at_rest(model, turn, -turn @ support.sole_position, gravity)
     if layout.leans:
         poses = [ca.SX.zeros(6) for _ in range(3)]
         for pose, first in zip(poses, (layout.position, layout.velocity, layout.acceleration), strict=True):
             pose[5] = (-1.0 if left else 1.0) * z[first + n]
-        start = symbolic_root.flying(model, turn, support.sole_position, *poses)
+        start = symbolic_root.flying(gravity, turn, support.sole_position, *poses)
     if layout.poses:
         sides = ca.DM([1, -1, 1, -1, 1, -1] if left else [1] * 6)
         firsts = [k + layout.pose for k in (layout.position, layout.velocity, layout.acceleration)]
-        start = symbolic_root.flying(model, turn, support.sole_position, *(sides * z[k : k + 6] for k in firsts))
+        start = symbolic_root.flying(gravity, turn, support.sole_position, *(sides * z[k : k + 6] for k in firsts))
     point = ca.DM(other.sole_position) + ca.mtimes(ca.DM(other.sole_rotation), ca.mtimes(mirror, pivot))
     wrench = symbolic.ExternalWrench(other.sole_body, point, ca.mtimes(mirror, u[:3]), ca.mtimes(axial, u[3:]))
     held = {6 + joint: float(biped.home[joint]) for joint in biped.held.tolist()}
@@ -92,7 +94,7 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         sole[2, 1],
         ca.mtimes(turned, foot.velocity + spin),
         ca.mtimes(turned_axial, foot.omega),
-        ca.mtimes(turned, pull) + ca.DM(model.opt.gravity),
+        ca.mtimes(turned, pull) + gravity,
         ca.mtimes(turned_axial, foot.alpha),
         hip[2],
         body[1, 0],
@@ -136,7 +138,7 @@ def _products(layout: PointLayout, plain: Any, z: Any, weight: float) -> Any:
 
 def _hessian(name: str, layout: PointLayout, weight: float, jacobian: Any, core: Any) -> Any:
     """(z, pivot, multipliers, weight) -> Hessian of multipliersᵀ o, and twice the weight times JᵀJ of the torques."""
-    z, pivot, w = ca.MX.sym("z", layout.inputs), ca.MX.sym("pivot", 3), ca.MX.sym("w")
+    z, pivot, w = ca.MX.sym("z", layout.inputs), ca.MX.sym("pivot", jacobian.size1_in(1)), ca.MX.sym("w")
     multipliers = ca.MX.sym("l", layout.outputs)
     o, J = jacobian(z, pivot)
     twist, load = multipliers[layout.twist :][:2] / weight, multipliers[layout.load :][:2] / weight

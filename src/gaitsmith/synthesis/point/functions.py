@@ -45,7 +45,7 @@ class PointFunctions:
         return 0 if support > 0.0 else len(self.sides) - 1
 
     def evaluate(self, points: Array, pivots: Array, support: float = 1.0) -> Array:
-        """Outputs (outputs, K) for many points with one support: inputs (inputs, K) and pivots (3, K)."""
+        """Outputs (outputs, K) for many points with one support: inputs (inputs, K), pivots (3, K; on slopes 6)."""
         count = points.shape[1]
         if count == 0:
             return np.zeros((self.layout.outputs, 0))

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.motions.contacts import check_slope
 from gaitsmith.synthesis.motions.motion import RATE, Motion, Phase, of_joint, unit_of
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import layout_of
@@ -268,6 +269,9 @@ def check_roots(biped: Biped, motion: Motion, order: int) -> None:
     """
     if order < 5 and (biped.lines or motion.flies):
         raise BadInput("order", order, "5 for line soles and flights", "their equations of motion need it")
+    check_slope(motion)
+    if motion.slope and biped.lines:
+        raise BadInput("slope", motion.slope, "0 for soles that are lines")
     for index, phase in enumerate(motion.phases):
         if biped.lines and phase.contact in ("heel", "toe", "flight"):
             raise BadInput(f"phases[{index}].contact", phase.contact, "flat or air for a sole that is a line")
@@ -289,9 +293,10 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
     low, high = _yaws((min(bends[0], 0.0), max(bends[1], 0.0)), bounds.torso_yaw)
     found.append(_sine("torso yaw", {layout.torso_yaw: 1.0}, low, high, high - low))
     for name in ("pitch", "roll"):
-        tilt = float(np.sin(getattr(bounds, f"torso_{name}")))
+        most, lean = getattr(bounds, f"torso_{name}"), motion.slope if name == "pitch" else 0.0
+        low, high = float(np.sin(lean - most)), float(np.sin(lean + most))
         form = {int(getattr(layout, f"torso_{name}")): 1.0}
-        found.append(_sine(f"torso {name}", form, -tilt, tilt, 2 * tilt))
+        found.append(_sine(f"torso {name}", form, low, high, high - low))
     found += _foot_bounds(biped, bounds, motion, index)
     for limit in phase.limits:
         if limit.quantity == RATE:

@@ -32,7 +32,7 @@ class Program:
         functions: of a point.
         points: where they are evaluated, those of the first of the functions' sides first.
         groups: how many of each side.
-        pivots: (3, K).
+        pivots: (3, K), on slopes (6, K): with gravity.
         inputs: B, (K * inputs, size).
         outputs: C, (rows, K * outputs).
         linear: D, (rows, size).

@@ -76,6 +76,7 @@ class Transcription:
         spline: of every joint and lean.
         size: number of unknowns.
         bounds: per phase, every bound that holds throughout it.
+        pivots: (phases, 3) of the other sole, in its frame, local; on slopes gravity behind it, m/s².
     """
 
     def __init__(self, biped: Biped, motion: Motion, settings: Settings) -> None:
@@ -109,6 +110,10 @@ class Transcription:
             [drawn_in(bound, biped, motion, index) for bound in items] for index, items in enumerate(self.limits)
         ]
         self.pivots = np.array([biped.pivot(phase) * (1.0, phase.side, 1.0) for phase in motion.phases])
+        if biped.slopes:
+            fall = float(np.linalg.norm(biped.model.opt.gravity))
+            down = fall * np.array([-np.sin(motion.slope), 0.0, -np.cos(motion.slope)])
+            self.pivots = np.hstack([self.pivots, np.tile(down, (len(motion.phases), 1))])
 
     def pose_rows(self, phase: int, time: float, derivative: int) -> sp.csr_matrix:
         """(6, size) map from x to the pose of the support sole in flight, or to a derivative, at a time."""

@@ -88,7 +88,7 @@ class _Rows:
 
 def stability(gait: Gait, robot: Robot, box: Box) -> dict[str, Any]:
     """What is proved for all of the box, and where nothing is; plain data for JSON."""
-    biped, engine = biped_from(robot), EnclosedRobot(robot)
+    biped, engine = biped_from(robot), EnclosedRobot(robot, gait.motion.slope)
     found: dict[str, dict[str, Any]] = {}
     for index, phase in enumerate(gait.motion.phases):
         if phase.flies:

@@ -89,11 +89,9 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
     above = found.hip - (found.own[2] - phase.height) if phase.flies else found.hip
     items.append(Bound("squat", "m", above, _CROUCH * tall, tall - bounds["squat"], tall))  # (7)
     toward = phase.side
-    for name, value in (
-        ("pitch", -found.torso[2, 0]),
-        ("roll", found.torso[2, 1] * toward),
-    ):
-        items.append(_angle(f"torso {name}", value, bounds[f"torso_{name}"]))
+    upright = motion.slope  # pitch, against the ground, of a torso that is upright
+    items.append(_angle("torso pitch", -found.torso[2, 0], bounds["torso_pitch"], (upright, upright)))
+    items.append(_angle("torso roll", found.torso[2, 1] * toward, bounds["torso_roll"]))
     yaws = motion.bends(index)
     feet = min(yaws[0], 0.0), max(yaws[1], 0.0)
     items.append(_angle("torso yaw", found.torso[1, 0] * toward, bounds["torso_yaw"], feet))

@@ -77,14 +77,18 @@ class EnclosedRobot:
 
     Args:
         robot: the robot.
+        slope: by which the ground rises along x, rad; z is its normal.
 
     Raises:
         BadInput: joints that slide, several joints on one body, or forces that the equations do not know.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, slope: float = 0.0) -> None:
         self.robot, self.model = robot, robot.model
         model = self.model
+        x, y, z = model.opt.gravity
+        s, c = np.sin(slope), np.cos(slope)
+        self.gravity = np.array([c * x + s * z, y, c * z - s * x])
         self.joint_of = {int(model.jnt_bodyid[k]): k for k in range(1, model.njnt)}  # joint 0 is the torso's free one
         hinges = all(int(kind) == _HINGE for kind in model.jnt_type[1:]) and len(self.joint_of) == model.njnt - 1
         calm = not (model.opt.density or model.opt.viscosity or model.body_gravcomp.any() or model.opt.wind.any())
@@ -185,7 +189,7 @@ class EnclosedRobot:
         for body in range(1, self.model.nbody):
             item, mass = motions[body], float(self.model.body_mass[body])
             place, _, pull = item.point(np.array(self.model.body_ipos[body]))
-            force = (pull - self.model.opt.gravity[:, None]) * mass
+            force = (pull - self.gravity[:, None]) * mass
             inertia = _matrix(self.model.body_iquat[body])
             inertia = inertia @ np.diag(self.model.body_inertia[body]) @ inertia.T
             second = 0.5 * np.trace(inertia) * np.eye(3) - inertia

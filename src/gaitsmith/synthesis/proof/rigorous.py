@@ -115,7 +115,7 @@ def prove(gait: Gait, robot: Robot, report: Callable[[int, int], None] | None = 
     Raises:
         BadInput: the robot has joints that the equations do not know.
     """
-    biped, engine = biped_from(robot), EnclosedRobot(robot)
+    biped, engine = biped_from(robot), EnclosedRobot(robot, gait.motion.slope)
     found: dict[str, Range] = {}
     for index, phase in enumerate(gait.motion.phases):
         todo = first_stretches(gait, index)

@@ -131,7 +131,7 @@ def verify(gait: Gait, robot: Robot, dense: int = DENSE, report: Callable[[int, 
 
 
 def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int], None] | None) -> Verdict:
-    biped, finder, verdict = biped_from(robot), StateFinder(robot), Verdict(bounds=dict(gait.bounds))
+    biped, finder, verdict = biped_from(robot), StateFinder(robot, gait.motion.slope), Verdict(bounds=dict(gait.bounds))
     rows, verdict.problems = entries(gait.certificate)
     if gait.certificate.get("claims") != claims_hash(gait):
         verdict.problems.append("the certificate is of other phases, limits, conditions, bounds or parameters")

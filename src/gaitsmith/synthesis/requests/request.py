@@ -179,7 +179,8 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
             results[motion.name] = found
         return found
 
-    rest = standing(biped, biped.height - max(REST * biped.height, settings.sized(biped).bounds.squat))
+    squat = max(REST * biped.height, settings.sized(biped).bounds.squat)
+    rest = standing(biped, biped.height - squat, request.step.slope)
     if request.kind == "kick":
         return Answer(results, run(kick(biped, request.kick, rest), settings).gait)
     if request.kind == "jump":
@@ -296,7 +297,7 @@ def _joined(planner: Planner, request: Request, begin: PlanResult, cycle: PlanRe
     ranked = sorted(worst.values(), key=lambda item: -float(item["violation"]))
     gait = replace(
         begin.gait,
-        motion=Motion(request.kind, phases, tuple(conditions), False, parameters),
+        motion=Motion(request.kind, phases, tuple(conditions), False, parameters, slope=cycle.gait.motion.slope),
         pieces=pieces,
         bounds=bounds,
         solver=solver,

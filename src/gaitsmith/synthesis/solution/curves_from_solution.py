@@ -180,7 +180,7 @@ def finished_pieces(
     o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), item.side)
     torque, support = o[layout.torque : layout.torque + n], o[layout.force : layout.force + 6]
     u = z[layout.wrench :].copy()
-    x, y, _ = trans.pivots[phase]
+    x, y = trans.pivots[phase][:2]
     # From the pivot to the sole frame's origin: r = pivot minus origin, in local axes.
     along = np.vstack([o[layout.foot_forward], o[layout.foot_yaw], -o[layout.foot_pitch]])
     across = np.full(z.shape[1], np.cos(item.bend))

@@ -44,12 +44,16 @@ def of_all_joints(biped: Biped, motion: Motion) -> Motion:
     return replace(motion, conditions=tuple(found))
 
 
-def with_held(biped: Biped, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
-    """A phase's pieces with rows for all joints: what the held ones bear follows from the motion of the others."""
+def with_held(biped: Biped, motion: Motion, pieces: list[tuple[Piece, ...]]) -> list[tuple[Piece, ...]]:
+    """All phases' pieces with rows for all joints: what the held ones bear follows from the motion of the others."""
     if not len(biped.held):
         return pieces
-    finder, (nodes, to_series) = StateFinder(biped.robot), chebyshev_fit(_SAMPLES)
-    found = []
+    finder = StateFinder(biped.robot, motion.slope)
+    return [_with_held(biped, finder, *pair) for pair in zip(motion.phases, pieces, strict=True)]
+
+
+def _with_held(biped: Biped, finder: StateFinder, phase: Phase, pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
+    (nodes, to_series), found = chebyshev_fit(_SAMPLES), list[Piece]()
     for piece in pieces:
         joints = np.zeros((len(biped.home), piece.joints.shape[1]))
         joints[:, 0] = biped.home

@@ -130,7 +130,7 @@ class Planner:
         self.biped: Biped = biped_from(robot, free)
         self.notify = notify
         self._compile_s: float | None = None  # reported once, by the first plan
-        self._others: dict[tuple[bool, bool], Planner] = {}
+        self._others: dict[tuple[bool, bool, bool], Planner] = {}
 
     @cached_property
     def functions(self) -> PointFunctions:
@@ -138,12 +138,12 @@ class Planner:
         return point_functions(self.biped, self.notify)
 
     def suited(self, motion: Motion) -> Planner:
-        """The same, or one whose functions know flights, or the places of the robot's mass, if a motion has them."""
-        kind = motion.flies, motion.placed and not motion.flies
-        found = self if kind == (self.biped.flies, self.biped.placed) else self._others.get(kind)
+        """The same, or one whose functions know flights, places of the robot's mass or slopes, if a motion has them."""
+        kind = motion.flies, motion.placed and not motion.flies, motion.slope != 0.0
+        found = self if kind == (self.biped.flies, self.biped.placed, self.biped.slopes) else self._others.get(kind)
         if found is None:
             found = self._others[kind] = Planner(self.biped.robot, self.notify)
-            found.biped = replace(self.biped, flies=kind[0], placed=kind[1])
+            found.biped = replace(self.biped, flies=kind[0], placed=kind[1], slopes=kind[2])
         return found
 
     def plan(
@@ -325,7 +325,7 @@ class Planner:
         pieces = [
             finished_pieces(trans, self.functions, result.x, phase, item.pieces) for phase, item in enumerate(checks)
         ]
-        pieces = [with_held(trans.biped, *pair) for pair in zip(trans.motion.phases, pieces, strict=True)]
+        pieces = with_held(trans.biped, trans.motion, pieces)
         solver: dict[str, Any] = {
             "name": "IPOPT, SQP",
             "status": "" if result.solution is None else result.solution.status,
