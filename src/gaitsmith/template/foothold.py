@@ -229,7 +229,11 @@ def observe_motion(step: StepState, velocity: Vector, position: Vector) -> None:
 
 @kernel
 def finish_step(step: StepState, gait: GaitInputs, gains: SpeedGains) -> None:
-    """Update integral and station from the step that just ended (once a step, before the new gait is latched)."""
+    """Update integral and station from the step that just ended (once a step, before the new gait is latched).
+
+    A bias is what stays: a stride that is faster or slower than the one before, as after a push, teaches the less the
+    more it differs. What was aimed for is the command and the way home, so that going home is no error.
+    """
     ticks = step.velocity_ticks[0]
     if ticks == 0:
         return
@@ -239,9 +243,12 @@ def finish_step(step: StepState, gait: GaitInputs, gains: SpeedGains) -> None:
         # Lateral sway has opposite signs on the two legs: only the mean over a stride says anything.
         stride_mean = 0.5 * (mean + step.last_mean_velocity[axis])
         gain = gains.integral_gain_x if axis == 0 else gains.integral_gain_y
+        changed = abs(stride_mean - step.stride_mean[axis])
         if step.settling[0] == 0:
-            error = clip(gait.speed[axis] - stride_mean, gains.largest_error)
+            gain *= max(1.0 - changed / gains.largest_error, 0.0)
+            error = clip(step.speed[axis] - step.integral[axis] - stride_mean, gains.largest_error)
             step.integral[axis] = clip(step.integral[axis] + gain * error, gains.integral_limit)
+        step.stride_mean[axis] = stride_mean
         step.last_mean_velocity[axis] = mean
         step.velocity_sum[axis] = 0.0
         step.position_sum[axis] = 0.0

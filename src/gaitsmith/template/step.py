@@ -63,6 +63,7 @@ class StepState(NamedTuple):
         velocity_sum: (2,) sum of the CoM velocity over the ticks of this step, m/s.
         velocity_ticks: (1,) number of those ticks.
         last_mean_velocity: (2,) mean CoM velocity of the previous step, m/s.
+        stride_mean: (2,) mean CoM velocity of the previous stride, m/s.
         settling: (1,) steps to go before the integral learns again; a new speed is no bias.
         integral: (2,) what is added to the commanded speed so that the mean speed is the commanded one, m/s.
         speed: (2,) the speed that the step is taken for: command, integral and station keeping, m/s.
@@ -98,6 +99,7 @@ class StepState(NamedTuple):
     velocity_sum: Vector
     velocity_ticks: IntVector
     last_mean_velocity: Vector
+    stride_mean: Vector
     settling: IntVector
     integral: Vector
     speed: Vector
@@ -125,7 +127,7 @@ def make_step_state(n_soles: int, n_leg: int) -> StepState:
     """State of a robot at rest on both feet; ``n_leg`` joints a leg."""
     shapes: dict[str, tuple[int, ...]] = {
         **dict.fromkeys(StepState._fields, (1,)),
-        **dict.fromkeys(("velocity_sum", "last_mean_velocity", "integral", "speed", "station"), (2,)),
+        **dict.fromkeys(("velocity_sum", "last_mean_velocity", "stride_mean", "integral", "speed", "station"), (2,)),
         **dict.fromkeys(("last_position", "position_sum", "foothold"), (2,)),
         **dict.fromkeys(("leg_reference", "leg_rate"), (n_soles, n_leg)),
         "support_start": (3, 3),
