@@ -16,6 +16,8 @@ from gaitsmith.template.step import GaitInputs, StepState
 if TYPE_CHECKING:
     from gaitsmith.robots.presets import FootholdParameters, SpeedParameters
 
+SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
+
 
 class FootholdGains(NamedTuple):
     """:class:`FootholdParameters` as a kernel reads them, with the gravity (m/s²) and what bounds heights (m).
@@ -166,7 +168,7 @@ def foothold_target(
     stance_y: float,
     side: float,
     out: Vector,
-) -> None:
+) -> bool:
     """Where the swing sole should land, relative to the hip midpoint in the heading frame (eqs. 13 and 15).
 
     ``x = T v / 2 + k_v (v̂ - v*) - k_a a`` and the same laterally around ``±W``, where the preset's shares blend the
@@ -182,6 +184,9 @@ def foothold_target(
         stance_y: lateral position of the stance sole, hip midpoint, heading frame, m.
         side: +1 if the swing leg is the left one.
         out: (2,) target, m.
+
+    Returns:
+        True if the target is beside the stance sole and moves with it.
     """
     omega = pendulum_frequency(gains, forecast.arm[2])
     expected = float(step.duration_ratio[0] * gait.period[0])  # the next step takes the commanded period
@@ -198,9 +203,9 @@ def foothold_target(
         )
     out[0] = clip(out[0], gains.reach)
     y = clip(out[1] + side * gait.width[0], gains.spread)
-    if side * (y - stance_y) < gains.separation:
-        y = stance_y + side * gains.separation
-    out[1] = y
+    beside = side * (y - stance_y) < gains.separation
+    out[1] = stance_y + side * gains.separation if beside else y
+    return bool(beside)
 
 
 @kernel
@@ -231,8 +236,8 @@ def observe_motion(step: StepState, velocity: Vector, position: Vector) -> None:
 def finish_step(step: StepState, gait: GaitInputs, gains: SpeedGains) -> None:
     """Update integral and station from the step that just ended (once a step, before the new gait is latched).
 
-    A bias is what stays: a stride that is faster or slower than the one before, as after a push, teaches the less the
-    more it differs. What was aimed for is the command and the way home, so that going home is no error.
+    A bias is what stays: after a stride that is much faster or slower than the one before, as after a push, nothing is
+    learnt for a while. What was aimed for is the command and the way home, so that going home is no error.
     """
     ticks = step.velocity_ticks[0]
     if ticks == 0:
@@ -243,9 +248,9 @@ def finish_step(step: StepState, gait: GaitInputs, gains: SpeedGains) -> None:
         # Lateral sway has opposite signs on the two legs: only the mean over a stride says anything.
         stride_mean = 0.5 * (mean + step.last_mean_velocity[axis])
         gain = gains.integral_gain_x if axis == 0 else gains.integral_gain_y
-        changed = abs(stride_mean - step.stride_mean[axis])
+        if abs(stride_mean - step.stride_mean[axis]) > gains.largest_error:
+            step.settling[0] = SETTLING_STEPS
         if step.settling[0] == 0:
-            gain *= max(1.0 - changed / gains.largest_error, 0.0)
             error = clip(step.speed[axis] - step.integral[axis] - stride_mean, gains.largest_error)
             step.integral[axis] = clip(step.integral[axis] + gain * error, gains.integral_limit)
         step.stride_mean[axis] = stride_mean

@@ -6,11 +6,11 @@ import math
 
 from gaitsmith.compiled import kernel
 from gaitsmith.template.balance import divergent_reference
-from gaitsmith.template.foothold import pendulum_frequency
+from gaitsmith.template.foothold import SETTLING_STEPS, pendulum_frequency
 from gaitsmith.template.ground import stand_on
 from gaitsmith.template.state import Template
 from gaitsmith.template.step import SHIFT, STAND, WALK
-from gaitsmith.template.switching import SETTLING_STEPS, begin_step, latch, switch_legs
+from gaitsmith.template.switching import begin_step, latch, switch_legs
 from gaitsmith.template.touchdown import FORCED, NONE, detect_touchdown
 from gaitsmith.whole_body.frames import to_heading
 from gaitsmith.whole_body.legs import Legs

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from gaitsmith.compiled import Matrix, kernel
-from gaitsmith.template.foothold import SpeedGains, finish_step
+from gaitsmith.template.foothold import SETTLING_STEPS, SpeedGains, finish_step
 from gaitsmith.template.step import GaitInputs, StepState
 from gaitsmith.whole_body.frames import Frames
 
-SETTLING_STEPS = 3  # a new speed is reached within two steps and averaged over two
 _SHORTEST, _LONGEST = 0.8, 1.1  # of the period; a step that a push cut short says nothing about the next
 
 

@@ -129,6 +129,27 @@ def swing_foot(
 
 
 @kernel
+def follow_foothold(step: StepState, gait: GaitInputs, share: float, rate: float, scratch: Vector, out: Matrix) -> None:
+    """Let the swing sole move with a foothold that moves aside, so that it does not trail behind it.
+
+    The curve is linear in its end, ``y(t) = … + b(t) y_end``: its velocity grows by ``b ẏ_end`` and its acceleration by
+    ``2 ḃ ẏ_end``.
+
+    Args:
+        step: the step being taken.
+        gait: latched.
+        share: of the way by αT, as in :func:`swing_foot`.
+        rate: lateral velocity of the foothold against the hip midpoint, m/s.
+        scratch: (3,).
+        out: (3, 3) position, velocity, acceleration by rows.
+    """
+    period = gait.period[0]
+    evaluate_pair(step.place[0], gait.alpha[0] * period, period, 0.0, 0.0, 0.0, share, 1.0, 0.0, 0.0, scratch)
+    out[1, 1] += scratch[0] * rate
+    out[2, 1] += 2.0 * scratch[1] * step.rate[0] * rate
+
+
+@kernel
 def smooth_share(time: float, span: float) -> float:
     """Share from 0 at 0 to 1 at ``span`` with zero slope at both ends."""
     phase = min(time / span, 1.0) if span > 0.0 else 1.0

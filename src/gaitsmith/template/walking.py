@@ -20,7 +20,7 @@ from gaitsmith.template.phase import com_over_sole, within_turn
 from gaitsmith.template.state import Template
 from gaitsmith.template.step import WALK
 from gaitsmith.template.step_time import adapt_duration
-from gaitsmith.template.trajectory import support_foot, swing_foot, swing_pitch, swing_yaw
+from gaitsmith.template.trajectory import follow_foothold, support_foot, swing_foot, swing_pitch, swing_yaw
 from gaitsmith.whole_body.frames import Frames, to_heading, to_world
 from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, WORLD, level_rotation
 
@@ -54,8 +54,8 @@ def plan_step(g: Template, dt: float) -> None:
         g.balance.foot[axis] = frames.relative_position[swing, axis] - frames.com_offset[axis]
     adapt_duration(g, side, dt)
     forecast_touchdown(step, latched, g.foothold, frames.com_velocity, side, forecast)
-    beside = frames.relative_position[stance, 1]
-    foothold_target(step, latched, g.foothold, forecast, frames.com_offset, beside, side, step.foothold)
+    stance_y = frames.relative_position[stance, 1]
+    beside = foothold_target(step, latched, g.foothold, forecast, frames.com_offset, stance_y, side, step.foothold)
     plan_landing(ground, step, forecast, omega, frames.com_velocity, frames.com_offset, step.foothold)
     rise, highest = ground.rise[0], ground.highest[0]
     height = landing_height(latched, g.foothold, step.foothold, side, max(-rise, 0.0))
@@ -65,6 +65,8 @@ def plan_step(g: Template, dt: float) -> None:
     swing_foot(
         step, latched, step.foothold, rise - height, highest - height, share, g.printed, side, descent, curve, target
     )
+    if beside:
+        follow_foothold(step, latched, share, frames.relative_velocity[stance, 1], curve, target)
 
 
 @kernel
