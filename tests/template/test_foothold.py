@@ -42,7 +42,8 @@ def foothold(
     step, cast, out = a_step(gait, time), forecast(), np.zeros(2)
     cast.arm[:2] = arm
     forecast_touchdown(step, gait, law, np.asarray(velocity), side, cast)
-    foothold_target(step, gait, law, cast, np.zeros(2), beside, side, out)
+    moves = foothold_target(step, gait, law, cast, np.zeros(2), beside, side, out)
+    assert moves == (abs(side * (out[1] - beside) - law.separation) < EXACT)  # with the stance sole
     return out
 
 

@@ -43,8 +43,9 @@ def test_latch_copies_every_parameter() -> None:
 
 
 def test_a_new_speed_must_settle() -> None:
-    """The integral waits some steps after a change of speed, and after no other change."""
+    """The integral waits some steps after a change of the commanded speed, and after no other command."""
     step, latched = walking(0), make_gait_inputs(OLD)
+    step.last_mean_velocity[:] = step.stride_mean[:] = 0.5  # it moves at that speed all the time
     latch(step, make_gait_inputs(OLD.model_copy(update={"height": 0.6, "period": 0.3})), latched)
     assert step.settling[0] == 0
     latch(step, make_gait_inputs(NEW), latched)

@@ -6,7 +6,15 @@ from hypothesis import strategies as st
 
 from gaitsmith.robots.parameters import GaitParameters
 from gaitsmith.template.step import GaitInputs, StepState, make_gait_inputs, make_step_state
-from gaitsmith.template.trajectory import Printed, smooth_share, support_foot, swing_foot, swing_pitch, swing_yaw
+from gaitsmith.template.trajectory import (
+    Printed,
+    follow_foothold,
+    smooth_share,
+    support_foot,
+    swing_foot,
+    swing_pitch,
+    swing_yaw,
+)
 
 EXACT = 1e-9  # m, m/s, m/s²: rounding of a closed form whose terms reach 1e3
 JOIN = 1e-6  # s, on both sides of the joint
@@ -204,3 +212,17 @@ def test_a_smooth_share_goes_from_nothing_to_all(span: float) -> None:
     assert (np.diff(shares) > 0.0).all()
     assert shares[1] < 0.002
     assert shares[-2] > 0.998
+
+
+@given(gaits, seeds, st.floats(0.05, 0.95), st.floats(-2.0, 2.0))
+def test_a_moving_foothold_is_followed(parameters: GaitParameters, seed: int, share: float, rate: float) -> None:
+    """Velocity and acceleration are those of the curve, linear in its end, whose end moves aside at a steady rate."""
+    gait, (step, foothold) = make_gait_inputs(parameters), a_step(seed)
+    now, aside = share * parameters.period, np.array([0.0, 1.0])
+    found, still = swing_at(step, gait, foothold, now), swing_at(step, gait, foothold, now)
+    slope = swing_at(step, gait, foothold + aside, now) - still
+    before, after = (swing_at(step, gait, foothold + rate * dt * aside, now + dt)[0] for dt in (-JOIN, JOIN))
+    step.time[0] = step.place[0] = now
+    follow_foothold(step, gait, 0.5, rate, np.zeros(3), found)
+    np.testing.assert_allclose(found[1], (after - before) / (2.0 * JOIN), atol=1e-3)
+    np.testing.assert_allclose(found - still, rate * np.vstack([0.0 * slope[0], slope[0], 2.0 * slope[1]]), atol=EXACT)

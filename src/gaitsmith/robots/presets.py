@@ -53,7 +53,8 @@ class SpeedParameters(Parameters):
     Attributes:
         integral_gain: share of the mean speed's error learnt a step, forward and lateral.
         integral_limit: bound on what is learnt, m/s.
-        largest_error: error beyond which nothing more is learnt from a step, m/s; a push is no bias.
+        largest_error: error beyond which nothing more is learnt from a step, m/s; after a stride that differs by more
+            than that from the one before nothing is learnt for a while: a push is no bias.
         station_gain: speed per metre of drift while the commanded speed is zero, forward and lateral, 1/s.
         station_limit: bound on that speed, m/s.
         settled_speed: mean speed below which a robot commanded to zero has arrived and keeps its station, m/s.
