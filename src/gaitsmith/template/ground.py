@@ -91,8 +91,9 @@ def find_pivot(
 ) -> None:
     """Where the pendulum stands on the stance sole: where the sole was wanted, or the toe of one whose heel drops.
 
-    A sole whose heel drops lies on an edge below its toe. One whose toe drops is left as it is: over an edge that leads
-    down the walk goes on, and bearing at the heel would only hasten it.
+    A sole whose heel drops below the slope that was felt lies on an edge below its toe; one that landed on its toe and
+    comes to lie on the ground does not. One whose toe drops is left as it is: over an edge that leads down the walk goes
+    on, and bearing at the heel would only hasten it.
 
     Args:
         ground: its ``pivot`` is found.
@@ -105,7 +106,7 @@ def find_pivot(
     """
     if step.time[0] < _SETTLED * step.period[0]:
         ground.settled[0] = sole_pitch
-    turned = sole_pitch - ground.settled[0]
+    turned = sole_pitch - min(ground.settled[0], ground.pitch[0])
     forward = ground.moved[0] + 0.5 * (heel + toe) * max(-turned - _STILL, 0.0) / _TIPPED
     ground.pivot[0] = min(max(forward, min(margin - heel, 0.0)), max(toe - margin, 0.0))
     ground.pivot[1] = clip(ground.moved[1], max(half_width - margin, 0.0))
@@ -135,7 +136,8 @@ def feel_slope(ground: Ground, step: StepState, sole_pitch: float) -> None:
 def share_of_way(start: float, rise: float, highest: float, lift: float) -> float:
     """Share of the way ahead that a swing sole has gone at αT: one half on level ground.
 
-    None before a climb as high as the lift: first up. More before a drop: the heel is past the edge before it sinks.
+    None before a climb as high as the lift: first up. More before a drop: the heel is past the edge before it sinks;
+    what the sole is lifted higher for the drop alone is no climb.
 
     Args:
         start: height at which the swing began, m.
@@ -143,8 +145,9 @@ def share_of_way(start: float, rise: float, highest: float, lift: float) -> floa
         highest: of the ground on the way, m.
         lift: over it, m.
     """
-    up = min(max(2.0 * (highest - start) - lift, 0.0) / max(lift, 1e-6), 1.0)
-    down = min(max(start - rise, 0.0) / max(lift, 1e-6), 1.0)
+    drop = max(start - rise, 0.0)
+    up = min(max(2.0 * (highest - start) - lift - drop, 0.0) / max(lift, 1e-6), 1.0)
+    down = min(drop / max(lift, 1e-6), 1.0)
     return 0.5 * (1.0 - up) + _AHEAD * down
 
 
