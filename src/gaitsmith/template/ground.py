@@ -92,8 +92,8 @@ def find_pivot(
     """Where the pendulum stands on the stance sole: where the sole was wanted, or the toe of one whose heel drops.
 
     A sole whose heel drops below the slope that was felt lies on an edge below its toe; one that landed on its toe and
-    comes to lie on the ground does not. One whose toe drops is left as it is: over an edge that leads down the walk goes
-    on, and bearing at the heel would only hasten it.
+    comes to lie on the ground does not. One whose toe drops is left as it is: over an edge that leads down the walk
+    goes on, and bearing at the heel would only hasten it.
 
     Args:
         ground: its ``pivot`` is found.
