@@ -87,6 +87,8 @@ def _report_readings(g: Tick) -> None:
         out.refused[sensor] = control.refused[sensor]
     control.refused_ticks[0] += any_lost
     out.refused_ticks[0], out.missed_ticks[0] = control.refused_ticks[0], control.missed[0]
+    for j in range(nj):
+        out.motor[j] = g.motors.what[j]
     out.reading_changes[0], out.reading_lost[0] = readings.changes[0], readings.culprit[0]
 
 

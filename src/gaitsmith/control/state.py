@@ -11,6 +11,7 @@ from gaitsmith.control.joint_torque import JointFeedback
 from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.estimation.estimator import Estimation
 from gaitsmith.estimation.measurement import Measurement
+from gaitsmith.estimation.motors import Motors
 from gaitsmith.estimation.readings import Checking
 from gaitsmith.planned.law import Following
 from gaitsmith.planned.replay import ReplayGains
@@ -100,6 +101,7 @@ class Tick(NamedTuple):
     gains: TickGains
     measurement: Measurement
     checking: Checking
+    motors: Motors
     control: ControlState
     estimation: Estimation
     telemetry: Telemetry

@@ -14,6 +14,7 @@ from gaitsmith.control.telemetry import Telemetry
 from gaitsmith.dynamics.tree import read_tree
 from gaitsmith.estimation.estimator import Estimation, make_estimator_gains, make_estimator_state
 from gaitsmith.estimation.measurement import make_measurement
+from gaitsmith.estimation.motors import make_motors
 from gaitsmith.estimation.readings import Checking, make_readings
 from gaitsmith.kinematics.inverse import make_inverse_kinematics, make_leg_kinematics, make_leg_table
 from gaitsmith.planned.law import make_following
@@ -96,6 +97,7 @@ def make_storage(
         checking=Checking(
             body, measurement, expected, readings, reference, whole_body.solution.acceleration, filters, sensors
         ),
+        motors=make_motors(n_joints, n_soles, scale.rate, dt),
         control=control,
         estimation=Estimation(body, measurement, filters, sensors),
         telemetry=telemetry,
@@ -121,6 +123,7 @@ def memory_of(g: Tick) -> list[Any]:
             g.control,
             g.checking.readings,
             g.checking.expected,
+            g.motors,
             g.estimation.state,
             g.reference,
         ),

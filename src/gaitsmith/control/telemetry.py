@@ -57,7 +57,8 @@ class Telemetry(NamedTuple):
         refused_ticks: ticks with any.
         missed_ticks: ticks that came too late to be done.
         reading: (m,) what is wrong with each channel, see estimation.readings.WHAT.
-        reading_changes: how many times a channel has gone wrong or good.
+        motor: (nj,) 1 for a motor that gives less torque than it is told.
+        reading_changes: how many times a channel or a motor has gone wrong or good.
         reading_lost: number of what the robot cannot do without, see estimation.readings.Readings.culprit.
     """
 
@@ -102,12 +103,13 @@ class Telemetry(NamedTuple):
     refused_ticks: Vector
     missed_ticks: Vector
     reading: Vector
+    motor: Vector
     reading_changes: Vector
     reading_lost: Vector
 
 
 _AXES = ("x", "y", "z")
-_PER_JOINT = ("joint_desired", "joint_position", "joint_velocity", "torque_feedforward", "torque")
+_PER_JOINT = ("joint_desired", "joint_position", "joint_velocity", "torque_feedforward", "torque", "motor")
 
 
 def _labels(joints: tuple[str, ...], soles: tuple[str, ...], inputs: tuple[str, ...]) -> dict[str, tuple[str, ...]]:

@@ -9,6 +9,7 @@ from gaitsmith.control.state import AIRBORNE, DAMPING, FAULT, FOLLOWING, OFF, ST
 from gaitsmith.dynamics.algorithms import update_dynamics
 from gaitsmith.estimation.checks import check_readings
 from gaitsmith.estimation.estimator import estimate
+from gaitsmith.estimation.motors import watch_motors
 from gaitsmith.planned.clock import FORCED, ON_TIME
 from gaitsmith.planned.follow import follow
 from gaitsmith.planned.replay import replay_torque
@@ -82,6 +83,16 @@ def _take_state(g: Tick) -> None:
     for j in range(measurement.joint_position.shape[0]):
         q[7 + j] = measurement.joint_position[j]
         v[6 + j] = measurement.joint_velocity[j]
+
+
+@kernel
+def _watch_motors(g: Tick) -> None:
+    """Name motors that give less than they were told, by the velocity that the last tick's torques led to."""
+    control, readings = g.control, g.checking.readings
+    state = control.state[0]
+    solved = state in (WALKING, STANDING) or (state == FOLLOWING and control.replays[0] == 0)
+    driven = solved and g.whole_body.solution.fresh[0] == 0 and readings.late[0] == 0
+    readings.changes[0] += watch_motors(g.motors, g.body, g.whole_body, control.torque, driven, g.gains.dt)
 
 
 @kernel
@@ -200,6 +211,7 @@ def tick(table: int) -> None:
     solved = False
     _check_readings(g)
     _take_state(g)
+    _watch_motors(g)
     g.checking.readings.late[0] = 0
     update_dynamics(body.tree, body.state, body.q, body.v)
     observe_frames(body)

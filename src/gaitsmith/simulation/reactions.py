@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _MOST = 200  # kept; a sensor that comes and goes would fill the memory
 _BEYOND = {"ticks": "late", "balance": "torso tilted too far"}
+WEAK, TOLD = "does not give the torque that it is told", "told; the other joints make up for it as far as they can"
 BRAKED = "joints braked: it cannot be done without"
 UNNOTICED = "none: not noticed"
 
@@ -72,8 +73,10 @@ class Reactions:
         self.dropped = 0
         self._tell, self._estimated, self._dt, self._now = tell, estimated, dt, 0.0
         self._names, blank = columns.labels("reading"), np.zeros(1)
-        views = [columns.find(name) for name in ("reading", "reading_changes", "reading_lost", "missed_ticks")]
-        self._what, self._changes, self._lost, self._missed = (blank if view is None else view for view in views)
+        views = [columns.find(name) for name in ("reading", "motor", "reading_changes", "reading_lost", "missed_ticks")]
+        found = (blank if view is None else view for view in views)
+        self._what, self._motor, self._changes, self._lost, self._missed = found
+        self._motors, self._weak = columns.labels("motor"), np.zeros(len(self._motor))
         self._known, self._counted = np.zeros(len(self._names)), (0.0, -1.0, 0.0)
 
     def observe(self, tick: int) -> bool:
@@ -94,6 +97,9 @@ class Reactions:
                 name = self._names[c]
                 self.add(name, WHAT[int(self._what[c])], stand_in(name, self._estimated))
         self._known[:] = self._what
+        for j in np.flatnonzero(self._motor > self._weak):
+            self.add(f"{self._motors[j]}.motor", WEAK, TOLD)
+        self._weak[:] = self._motor
         lost = int(counts[1])
         if counts[1] != before[1] and lost >= 0:
             name = (*self._names, "ticks", "balance")[lost]
