@@ -60,7 +60,7 @@ def remembered(walk: Loop) -> dict[str, np.ndarray]:
         for field in getattr(value, "_fields", ()):
             gather(f"{name}.{field}", getattr(value, field))
 
-    for name in ("template", "control", "estimation", "reference", "telemetry"):
+    for name in ("template", "control", "estimation", "motors", "reference", "telemetry"):
         gather(name, getattr(walk.groups, name))
     return found
 

@@ -33,7 +33,7 @@ from gaitsmith.whole_body.reference import NONE
 _FALLEN = 0.9  # rad of tilt from which no torque brings the torso back
 _SHARE = 0.2  # of a new difference in the smoothed one
 _RATE_ERROR = 0.15  # ω, smoothed, that a joint's rate may differ from its angle's slope
-_STRUCK = 0.5  # of the gate: by which a joint that was struck leaves the model behind in every tick
+_STRUCK = (0.5, 4.0)  # of the gate: by which a joint that was struck leaves the model behind in every tick
 _SOLE_GAIN = 0.1  # of the sole's tilt on the angle that stands in for a joint of the standing leg, per tick
 
 
@@ -141,7 +141,7 @@ def _is_struck(g: Checking, j: int, dt: float, estimated: bool) -> bool:
         r.values[place] = r.wanted[place]
         return True
     off = r.values[place] - r.wanted[place]
-    if off * beyond <= 0.0 or abs(beyond) < _STRUCK * r.gate[c]:
+    if off * beyond <= 0.0 or not _STRUCK[0] < abs(beyond) / r.gate[c] < _STRUCK[1]:
         return False
     r.again[c] = 0
     r.rate[j] = state.joint_velocity[j] = slope
@@ -159,7 +159,7 @@ def _check_angles(g: Checking, dt: float, estimated: bool) -> None:
         if passes(r, c):
             r.valid[6 + j] = 2 * (1 - r.trusted[0])
             continue
-        was, place = r.lost[c], r.first[c]
+        was, place = r.lost[c] + r.again[c], r.first[c]
         what, seen = judge(r, c, dt), not estimated and r.lost[c + r.rate.shape[0]] == 0
         if what == JUMP and r.what[c] == GOOD and _is_struck(g, j, dt, estimated):
             r.valid[6 + j] = 0

@@ -25,6 +25,7 @@ _EXPLAINED = 0.75  # of what is missing, by one motor, from which it is named
 _LEAST, _MOST = 0.4, 1.6  # of its torque that is missing then
 _GOOD = 0.2  # below which it is good again
 _TORQUE, _SPEED = 0.05, 0.013  # of the limit, and ω: what cannot be told from nothing
+_ABSURD = 1e6  # rad²/s²: more than this is missing only if a reading is absurd
 _NEVER_SINGULAR = 1e-9  # share added to the diagonal of J M⁻¹ Jᵀ
 
 
@@ -135,6 +136,17 @@ def _eliminate(a: Matrix, n: int, columns: int) -> None:
 
 
 @kernel
+def _forget(m: Motors) -> None:
+    """All windows before, and what they left."""
+    m.missing[0] = 0.0
+    for j in range(m.own.shape[0]):
+        m.along[j] = m.own[j] = 0.0
+    for i in range(m.system.shape[0]):
+        for c in range(m.system.shape[1]):
+            m.system[i, c] = 0.0
+
+
+@kernel
 def _judge(m: Motors, body: Body, motion: Motion, n: int, dt: float) -> int:
     """Name motors by the window that is full; returns how many have become bad or good."""
     nj, response, span, changes = m.torque.shape[0], motion.response, dt * m.ticks[0], 0
@@ -155,6 +167,9 @@ def _judge(m: Motors, body: Body, motion: Motion, n: int, dt: float) -> int:
             lost = -dt * effect * m.torque[j]
             m.along[j] += lost * off
             m.own[j] += lost * lost + (_TORQUE * span * effect * body.legs.torque_limit[j]) ** 2
+    if not m.missing[0] < _ABSURD:
+        _forget(m)
+        return 0
     for j in range(nj):
         own = m.own[j] + m.least_speed[0] ** 2
         share, explained = m.along[j] / own, m.along[j] ** 2 / (own * (m.missing[0] + m.least_speed[0] ** 2))
