@@ -22,7 +22,7 @@ from gaitsmith.simulation.tour import LENGTH, SEGMENT, punches
 _NOTHING: Mapping[str, Any] = {}
 _STAND = 3.0  # s before the walk
 _FORWARD, _LATERAL, _TURNING = 0.17, 0.105, 0.17  # commanded at most: of √(g leg), the same, and of √(g / leg)
-_BENT, _APART = 0.77, 1.3  # height of the leg's length, and width of the card's: long steps that do not cross
+_BENT, _APART = 0.77, 1.55  # height of the leg's length, and width of the card's: long steps that do not cross
 _BIN, _BINS = 0.05, 7  # of mass times √(gH); the last bin has no end
 _COLUMNS = ("controller", "runs", "completed\n%", "survival\ns", "position\ncm", "yaw\n°", "energy\nkJ")
 # https://github.com/rhoyn/teleop-walking-benchmark, README, results in MuJoCo: learned policies.
