@@ -112,7 +112,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "integral_limit": 0.1 * speed,
             "largest_error": 0.037 * speed,
             "station_gain": (0.06 * rate, 0.06 * rate),
-            "station_limit": 0.025 * speed,
+            "station_limit": 0.02 * speed,
             "settled_speed": 0.0185 * speed,
         },
         "step_time": {"shortest": 0.5, "foot_speed": 0.74 * speed},
