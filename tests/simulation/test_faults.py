@@ -9,7 +9,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 from gaitsmith.simulation import Scenario, Simulation
 from gaitsmith.simulation.faults import Fault, groups, members, motors, sensors
-from gaitsmith.simulation.reactions import BRAKED, UNNOTICED
+from gaitsmith.simulation.reactions import BRAKED, UNNOTICED, Reaction, with_unnoticed
 from gaitsmith.simulation.scenario import check_scenario, make_scenario
 
 ROBOT = load_robot("bhr_b2")
@@ -97,3 +97,16 @@ def test_a_controller_that_is_late_goes_on():
     assert run.controller.telemetry.missed_ticks[0] == 50
     first = run.summary().faults[0]
     assert (first.component, first.type) == ("ticks", "late")
+
+
+def test_what_is_said_of_another_joint_is_not_about_this_one():
+    """A motor that nobody names went unnoticed, whatever else was seen meanwhile; one that is named did not."""
+    faults = (fault("left_knee.motor:dead@1s,0.5s"), fault("imu:nan@2s,0.5s"))
+    found = [
+        Reaction(time=1.1, component="right_knee.angle", type="stuck", reaction="replaced"),
+        Reaction(time=2.1, component="gyro", type="not a number", reaction="replaced"),
+    ]
+    silent = [e for e in with_unnoticed(tuple(found), faults, 4.0) if e.reaction == UNNOTICED]
+    assert [e.component for e in silent] == ["left_knee.motor"]
+    found.append(Reaction(time=1.2, component="left_knee.motor", type="weak", reaction="told"))
+    assert not [e for e in with_unnoticed(tuple(found), faults, 4.0) if e.reaction == UNNOTICED]

@@ -118,12 +118,21 @@ class Reactions:
         self._tell({"reaction": found.model_dump()})
 
 
+def _concerns(fault: Fault, found: Reaction) -> bool:
+    """Whether a reaction can be to a fault: of the same joint or sole, if the fault is of one."""
+    place, dot, _ = fault.component.partition(".")
+    return found.component != "balance" and (not dot or found.component.partition(".")[0] == place)
+
+
 def with_unnoticed(found: tuple[Reaction, ...], faults: tuple[Fault, ...], duration: float) -> tuple[Reaction, ...]:
-    """Reactions, and the faults of the scenario that nothing was done about, by time."""
+    """Reactions, and the faults of the scenario that nothing was done about, by time.
+
+    What is said of another joint or sole is not about a fault of this one.
+    """
     silent = []
     for fault in faults:
         until = fault.time + fault.duration + 0.2
-        about = [e for e in found if fault.time - 2e-3 <= e.time <= until and e.component != "balance"]
+        about = [e for e in found if fault.time - 2e-3 <= e.time <= until and _concerns(fault, e)]
         if not about and fault.time < duration:
             silent.append(Reaction(time=fault.time, component=fault.component, type=fault.type, reaction=UNNOTICED))
     return tuple(sorted([*found, *silent], key=lambda entry: entry.time))
