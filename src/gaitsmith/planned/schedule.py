@@ -23,7 +23,8 @@ class ContactPhase:
     Attributes:
         name: what reports call it.
         duration: s.
-        support: row of the sole that stands flat throughout, or stood before a flight; positions are relative to it.
+        support: row of the sole that stands throughout, flat or on its toe's edge, or stood before a flight; positions
+            are relative to it.
         contact: kind of every sole's contact: NONE, FLAT, HEEL or TOE.
         end: BY_CLOCK or BY_CONTACT.
     """
@@ -83,9 +84,11 @@ def _check_phase(phase: ContactPhase, field: str, soles: int) -> None:
             raise BadInput(f"{field}.contact", given, ", ".join(f"{key} ({name})" for key, name in _KINDS.items()))
     if not 0 <= phase.support < soles:
         raise BadInput(f"{field}.support", phase.support, f"0 to {soles - 1}")
-    if any(phase.bearing) and phase.contact[phase.support] != FLAT:
+    if any(phase.bearing) and phase.contact[phase.support] not in (FLAT, TOE):
         kind = _KINDS[phase.contact[phase.support]]
-        raise BadInput(f"{field}.support", phase.support, "a sole that stands flat", f"its contact is {kind}")
+        raise BadInput(
+            f"{field}.support", phase.support, "a sole that stands flat or on its toe", f"its contact is {kind}"
+        )
     if phase.end not in (BY_CLOCK, BY_CONTACT):
         raise BadInput(f"{field}.end", phase.end, f"{BY_CLOCK} (by clock) or {BY_CONTACT} (by contact)")
     if phase.end == BY_CONTACT and all(phase.bearing):

@@ -116,6 +116,7 @@ class _PhaseEntry(Parameters):
     heading: Heading = 0.0
     other_heading: Heading = 0.0
     duration_range: DurationRange | None = None
+    support_contact: Literal["flat", "toe"] = "flat"
     limits: Annotated[tuple[_LimitEntry, ...], Field(max_length=1000)]
     sections: Annotated[tuple[_Section, ...], Field(min_length=1, max_length=1000)]
 
@@ -194,7 +195,16 @@ def gait_from(document: dict[str, Any]) -> Gait:
         where = (item.support, item.contact, item.foothold, item.other_foothold)
         more = item.height, item.other_height, item.heading, item.other_heading
         phases.append(
-            Phase(item.name, item.duration, *where, len(item.sections), limits, *more, between=item.duration_range)
+            Phase(
+                item.name,
+                item.duration,
+                *where,
+                len(item.sections),
+                limits,
+                *more,
+                between=item.duration_range,
+                support_contact=item.support_contact,
+            )
         )
         clock += item.duration
     if clock > LONGEST:

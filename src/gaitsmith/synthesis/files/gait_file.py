@@ -36,6 +36,7 @@ def gait_document(gait: Gait) -> dict[str, Any]:
             **{name: getattr(phase, name) for name in ("name", "duration", "support", "contact", "foothold")},
             "other_foothold": phase.other,
             **{name: getattr(phase, name) for name in ("height", "other_height", "heading", "other_heading")},
+            **({"support_contact": phase.support_contact} if phase.tips else {}),
             **({} if phase.between is None else {"duration_range": phase.between}),
             "limits": [
                 {"quantity": item.quantity, "low": _finite_or_none(item.low), "high": _finite_or_none(item.high)}
@@ -156,7 +157,7 @@ def require_robot(gait: Gait, robot: Robot) -> None:
         remedy = "give --robot, or plan again: the robot's files have changed since, or are another robot's"
         raise BadInput("robot", f"{gait.robot} with hash {gait.robot_hash[:12]}", valid, remedy)
     for index, (phase, group) in enumerate(zip(gait.motion.phases, gait.pieces, strict=True)):
-        wanted = 6 if phase.contact == "flight" else int(robot.legs[0].sole.kind == "line")
+        wanted = 6 if phase.flies or phase.tips else int(robot.legs[0].sole.kind == "line")
         for k, piece in enumerate(group):
             if len(piece.root) != wanted:
                 valid = f"{wanted} for this robot's soles"

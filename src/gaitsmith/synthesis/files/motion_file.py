@@ -52,6 +52,7 @@ class _PhaseText(Parameters):
     duration_range: DurationRange | None = None
     support: Literal["left", "right"]
     contact: Literal["air", "flat", "heel", "toe", "flight"]
+    support_contact: Literal["flat", "toe"] = "flat"
     support_at: Place
     other_at: Place | None = None
     support_height: Height = 0.0
@@ -167,7 +168,16 @@ def _phase(item: _PhaseText, biped: Biped, field: str) -> Phase:
     if between is not None and not max(between[0], _SHORTEST) <= item.duration <= between[1]:
         valid = f"a duration within duration_range, {between[0]:g} to {between[1]:g}, and from {_SHORTEST:g} s"
         raise BadInput(f"{field}.duration", item.duration, valid, "the search starts there")
-    return Phase(item.name, item.duration, *where, item.sections, limits, *more, between=item.duration_range)
+    return Phase(
+        item.name,
+        item.duration,
+        *where,
+        item.sections,
+        limits,
+        *more,
+        between=item.duration_range,
+        support_contact=item.support_contact,
+    )
 
 
 def _check_footholds(phases: tuple[Phase, ...], biped: Biped, gap: float) -> None:

@@ -39,7 +39,12 @@ class Sections:
         self._nodes, self._matrix = chebyshev_fit(TERMS)
 
     def add(
-        self, contact: ContactPhase, piece: Piece, stretch: tuple[float, float], frame: tuple[Array, ...]
+        self,
+        contact: ContactPhase,
+        piece: Piece,
+        stretch: tuple[float, float],
+        frame: tuple[Array, ...],
+        standing: int,
     ) -> list[int]:
         """Numbers of the sections that a piece becomes.
 
@@ -48,6 +53,7 @@ class Sections:
             piece: the piece.
             stretch: when it begins within its stretch, and the stretch's duration, s.
             frame: the table's weight_from, weight_to and place.
+            standing: row of the sole that stands still in the piece; its motion is relative to the contact's support.
         """
         numbers = np.concatenate([[piece.duration, *stretch], *(values.ravel() for values in frame)])
         key = repr(contact).encode() + (np.round(numbers, _SAME) + 0.0).tobytes()
@@ -62,13 +68,13 @@ class Sections:
                 "stretch_duration": stretch[1],
                 **dict(zip(("weight_from", "weight_to", "place"), frame, strict=True)),
             }
-            self._fit(row, piece, 0.0, 1.0, stretch[0])
+            self._fit(row, standing, piece, 0.0, 1.0, stretch[0])
             self._known[key] = list(range(first, len(self._rows)))
         return self._known[key]
 
-    def _fit(self, row: dict[str, Any], piece: Piece, low: float, high: float, begin: float) -> None:
+    def _fit(self, row: dict[str, Any], standing: int, piece: Piece, low: float, high: float, begin: float) -> None:
         """Fit the part of a piece between two shares of it; in halves if its curves need more terms than there are."""
-        motion, effort = self._sampled(int(row["support"]), piece, low, high)
+        motion, effort = self._sampled(standing, row["place"][standing, :3], piece, low, high)
         span = (high - low) * piece.duration
         good = np.abs(motion[-2:]).max() < _MOTION and np.abs(effort[-2:]).max() < _EFFORT
         if good or span < _FINEST:
@@ -76,21 +82,24 @@ class Sections:
             self._rows.append(row | {"duration": span, "stretch_start": start, "motion": motion, "effort": effort})
             return
         middle = 0.5 * (low + high)
-        self._fit(row, piece, low, middle, begin)
-        self._fit(row, piece, middle, high, begin)
+        self._fit(row, standing, piece, low, middle, begin)
+        self._fit(row, standing, piece, middle, high, begin)
 
-    def _sampled(self, support: int, piece: Piece, low: float, high: float) -> tuple[Array, Array]:
-        """(TERMS, channels) coefficients of motion and effort between two shares of a piece."""
+    def _sampled(self, standing: int, place: Array, piece: Piece, low: float, high: float) -> tuple[Array, Array]:
+        """(TERMS, channels) coefficients of motion and effort between two shares of a piece.
+
+        The sole ``standing`` stands at ``place``.
+        """
         s = low + (high - low) * self._nodes
         q, v, a = polynomial(piece.joints, s, piece.duration)
-        name, root, rows = self.robot.legs[support].name, root_of(piece, s), list[list[float]]()
+        name, root, rows = self.robot.legs[standing].name, root_of(piece, s), list[list[float]]()
         for k in range(len(s)):
             self.finder.find(name, (0.0, 0.0), q[:, k], v[:, k], a[:, k], root[..., k])
             torso = self.finder.data.xmat[self.robot.torso_body].reshape(3, 3)
-            numbers = [*self.finder.centre_of_mass(), *_angles(torso)]
+            numbers = [*(self.finder.centre_of_mass() + place), *_angles(torso)]
             for leg in self.robot.legs:
-                place, _, _, rotation, _, _ = self.finder.foot(leg.name, np.zeros(3))
-                numbers += [*place, *_angles(rotation)]
+                sole, _, _, rotation, _, _ = self.finder.foot(leg.name, np.zeros(3))
+                numbers += [*(sole + place), *_angles(rotation)]
             rows.append([*numbers, *q[:, k]])
         effort = np.concatenate([chebyshev(values, s) for values in (piece.torque, piece.wrench)])
         return (np.array(rows).T @ self._matrix).T, (effort @ self._matrix).T

@@ -17,7 +17,7 @@ def contact_points(biped: Biped, phase: Phase) -> Array:
     """(N, 2) corners of both soles that touch the ground in a phase, world, m."""
     if phase.flies:
         return np.zeros((0, 2))
-    found = [_placed(biped.corners("flat", phase.support), phase.foothold, phase.heading)]
+    found = [_placed(biped.corners(phase.support_contact, phase.support), phase.foothold, phase.heading)]
     if phase.other is not None:
         found.append(_placed(biped.corners(phase.contact, phase.other_foot), phase.other, phase.other_heading))
     return np.concatenate(found)
@@ -47,7 +47,12 @@ def hull(points: Array) -> Array:
 
 
 def zmp(phase: Phase, wrench: Array) -> Array:
-    """(2, N) zero moment point of both contact wrenches (12, N) on the ground, world, m; eq. (12)."""
+    """(2, N) zero moment point of both contact wrenches (12, N) on the ground, world, m; eq. (12).
+
+    NaN where the support foot turns about its toe: its wrench is about a point that moves.
+    """
+    if phase.tips:
+        return np.full((2, wrench.shape[1]), np.nan)
     level = phase.straight
     force, mx, my = np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1])
     feet: tuple[tuple[int, Side], ...] = ((0, "left"), (6, "right"))

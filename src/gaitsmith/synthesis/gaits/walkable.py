@@ -63,14 +63,19 @@ def walkable(gaits: Sequence[Gait], robot: Robot, cycles: int | None = None) -> 
     sections = Sections(robot, slopes.pop())
     sequence: list[int] = []
     first_visits: list[int] = []
-    for contact, (_, pieces), begin, frame in zip(
+    before: Phase | None = None
+    for contact, (phase, pieces), begin, frame in zip(
         contacts, row, _stretches(contacts), _frames(row, contacts, loop, sections), strict=True
     ):
         first_visits.append(len(sequence))
         within = begin[0]
         for piece in pieces:
-            sequence += sections.add(contact, piece, (within, begin[1]), frame)
+            seen = contact, frame
+            if before is not None and before.tips and piece is pieces[0]:
+                seen = _from_other(contact, frame)  # a sole that lands becomes the support once it has a place
+            sequence += sections.add(seen[0], piece, (within, begin[1]), seen[1], contact.support)
             within += piece.duration
+        before = phase
     first_visits.append(len(sequence))
     visits = (0, len(sequence), 1) if loop is None else (first_visits[loop[0]], first_visits[loop[1]], loop[2])
     return _described(gaits, row, loop, sections, sections.table(sequence, visits))
@@ -124,7 +129,7 @@ def _contacts(row: _Row, robot: Robot) -> list[ContactPhase]:
     for (phase, _), after in zip(row, [*row[1:], None], strict=True):
         support = names.index(phase.support)
         contact = [_KINDS[phase.contact]] * len(names)
-        contact[support] = NONE if phase.flies else FLAT
+        contact[support] = NONE if phase.flies else _KINDS[phase.support_contact]
         lands = not phase.double and after is not None and after[0].double
         end = BY_CONTACT if lands else BY_CLOCK
         found.append(ContactPhase(phase.name, phase.duration, support, tuple(contact), end))
@@ -166,6 +171,17 @@ def _frames(
         place[:, :3] = place[:, :3] @ about_vertical(phase.heading) @ sections.finder.ground.T
         found.append((*weights, np.where(standing, place, 0.0)))
     return found
+
+
+def _from_other(contact: ContactPhase, frame: tuple[Array, ...]) -> tuple[ContactPhase, tuple[Array, ...]]:
+    """A phase of double support, and its frame, relative to the sole that is not its support."""
+    other = 1 - contact.support
+    weights, place = frame[:-1], frame[-1]
+    return (
+        (replace(contact, support=other), (*weights, place - place[other]))
+        if all(contact.bearing)
+        else (contact, frame)
+    )
 
 
 def _described(

@@ -65,6 +65,7 @@ class Biped:
         ankle_height: origin of the body that carries the sole above the sole, m.
         weight: total weight, N.
         flies: whether the support sole may leave the ground: its pose is then six coordinates more.
+        tips: whether the support foot may turn about its toe's edge: its pitch is then a coordinate more.
         slopes: whether the ground may be inclined: the direction of gravity is then a parameter of a point.
         placed: whether the places of the centre of mass and the torso are among what is computed of a point.
     """
@@ -82,6 +83,16 @@ class Biped:
     flies: bool = False
     placed: bool = False
     slopes: bool = False
+    tips: bool = False
+
+    @property
+    def kind(self) -> tuple[bool, bool, bool, bool]:
+        """Of motions that its points are computed for: flies, placed, slopes, tips."""
+        return self.flies, self.placed, self.slopes, self.tips
+
+    def of_kind(self, flies: bool, placed: bool, slopes: bool, tips: bool) -> Biped:
+        """The same for another kind of motions."""
+        return replace(self, flies=flies, placed=placed, slopes=slopes, tips=tips)
 
     @property
     def joints(self) -> int:
@@ -157,7 +168,7 @@ class Biped:
         digest = hashlib.sha256()
         for name in _PHYSICS:
             digest.update(np.ascontiguousarray(getattr(self.model, name)).tobytes())
-        digest.update(bytes([self.flies, self.placed, self.slopes]))
+        digest.update(bytes([self.flies, self.placed, self.slopes, self.tips]))
         for values in (self.model.opt.gravity, self.index, self.partner, self.sign, self.home[self.held]):
             digest.update(np.array(values).tobytes())
         digest.update(",".join(leg.sole_site for leg in self.robot.legs).encode() + bytes([self.symmetric, self.lines]))

@@ -32,6 +32,7 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
             raise BadInput(f"phases[{index}].other_heading", phase.other_heading, valid)
     for index, (before, after) in enumerate(pairwise(phases), start=1):
         _check_pair(before, after, f"phases[{index}]", keys)
+    _check_edges(phases, cyclic)
     if phases[0].flies or phases[-1].flies:
         valid = "a phase with both feet flat at the start and at the end"
         raise BadInput(
@@ -39,6 +40,23 @@ def check_contacts(phases: tuple[Phase, ...], cyclic: bool, keys: tuple[str, str
         )
     if cyclic:
         _check_cycle(phases[0], phases[-1], keys)
+
+
+def _check_edges(phases: tuple[Phase, ...], cyclic: bool) -> None:
+    """A support foot gets on its toe only while the other is in the air; then that one bears, or it lies down."""
+    for index, phase in enumerate(phases):
+        field = f"phases[{index}].support_contact"
+        if not phase.tips:
+            continue
+        if phase.contact != "air" or any(item.heading or item.other_heading for item in phases):
+            valid = "flat, or toe while the other foot is in the air and nothing is turned"
+            raise BadInput(field, "toe", valid)
+        if index in (0, len(phases) - 1):
+            raise BadInput(field, "toe", "flat in the first phase and in the last")
+        after = phases[index + 1]
+        if after.double and not (after.contact == "toe" and after.support == phase.other_foot):
+            valid = "a phase after it in which the foot that has landed bears flat, and this one is on its toe"
+            raise BadInput(f"phases[{index + 1}].contact", after.contact, valid)
 
 
 def check_slope(motion: Motion) -> None:
@@ -73,9 +91,12 @@ def _check_pair(before: Phase, after: Phase, field: str, keys: tuple[str, str]) 
         ):
             if abs(known - value) > _SAME:
                 raise BadInput(f"{field}.{prefix}{key}", value, f"{known:g} {unit}, as that foot stands before")
-    if before.support != after.support and not (before.double and after.double):
+    landed = before.tips and after.double  # the foot in the air has become the support
+    if before.support != after.support and not (landed or (before.double and after.double)):
         remedy = "the support changes between two phases with both feet on the ground"
         raise BadInput(f"{field}.support", after.support, f"{before.support} as in the phase before", remedy)
+    if landed and not _equal(before.foothold, after.other or before.foothold):
+        raise BadInput(f"{field}.{keys[1]}", after.other, f"{before.foothold}, where that foot stands before")
     held, free = before.place(after.support), before.place(after.other_foot)
     if held is not None and not _equal(held, after.foothold):
         raise BadInput(f"{field}.{keys[0]}", after.foothold, f"{held}, where that foot stands before")

@@ -137,6 +137,7 @@ class Phase:
         other_height: of the ground under the other foot: where it stands, or what it may not go below in the air.
         heading: of the support sole, world, rad; to the left.
         other_heading: of the other sole, world, rad; in the air it stays between this one and those before and after.
+        support_contact: of the support foot: flat, or turning about its toe's edge while the other foot is in the air.
         between: least and most duration, s, where it is free and chosen for the least objective.
     """
 
@@ -153,6 +154,7 @@ class Phase:
     heading: float = 0.0
     other_heading: float = 0.0
     between: tuple[float, float] | None = None
+    support_contact: Literal["flat", "toe"] = "flat"
 
     @property
     def straight(self) -> Phase:
@@ -189,6 +191,11 @@ class Phase:
     def flies(self) -> bool:
         """Whether no foot is on the ground."""
         return self.contact == "flight"
+
+    @property
+    def tips(self) -> bool:
+        """Whether the support foot turns about its toe's edge."""
+        return self.support_contact == "toe"
 
     @property
     def other_foot(self) -> Side:
@@ -320,6 +327,20 @@ class Motion:
         parts = ("centre", "centre velocity", "body")
         return any(name in QUANTITIES and QUANTITIES[name].part in parts for name in names)
 
+    @property
+    def tips(self) -> bool:
+        """Whether a support foot turns about its toe's edge."""
+        return any(phase.tips for phase in self.phases)
+
+    def beside_edge(self, phase: int) -> bool:
+        """Whether the support foot stands flat in a phase and turns about its edge before or after it."""
+        near = self.phases[max(phase - 1, 0) : phase + 2]
+        return not self.phases[phase].tips and any(item.tips for item in near)
+
+    def takes_over(self, phase: int) -> bool:
+        """Whether a phase of double support begins with all load on the other foot, which turns about its toe."""
+        return phase > 0 and self.phases[phase - 1].tips and self.phases[phase].double
+
     def lifts(self, phase: int) -> bool:
         """Whether the other foot leaves the ground at the start of a phase."""
         return not self.phases[phase].double and (phase == 0 or self.phases[phase - 1].double)
@@ -335,7 +356,7 @@ class Motion:
             return False
         if phase == 0 and not self.cyclic:
             return self.phases[0].contact == "heel"
-        return not self.phases[phase - 1].double
+        return not self.takes_over(phase) and not self.phases[phase - 1].double
 
     def leaves(self, phase: int) -> bool:
         """Whether the other foot's wrench is zero at the end of a phase of double support."""

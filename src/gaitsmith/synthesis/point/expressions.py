@@ -66,7 +66,14 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         for pose, first in zip(poses, (layout.position, layout.velocity, layout.acceleration), strict=True):
             pose[5] = (-1.0 if left else 1.0) * z[first + n]
         start = symbolic_root.flying(gravity, turn, support.sole_position, *poses)
-    if layout.poses:
+    if layout.poses == 1:
+        x, right, far = biped.sole(side).ends[1]
+        about = np.array([x, 0.5 * (right + far), 0.0])
+        poses = [ca.vertcat(*about, 0, z[layout.position + layout.pose], 0)]
+        poses += [ca.vertcat(0, 0, 0, 0, z[k + layout.pose], 0) for k in (layout.velocity, layout.acceleration)]
+        toe = support.sole_position + support.sole_rotation @ about
+        start = symbolic_root.flying(gravity, turn, toe, *poses)
+    elif layout.poses:
         sides = ca.DM([1, -1, 1, -1, 1, -1] if left else [1] * 6)
         firsts = [k + layout.pose for k in (layout.position, layout.velocity, layout.acceleration)]
         start = symbolic_root.flying(gravity, turn, support.sole_position, *(sides * z[k : k + 6] for k in firsts))
@@ -106,6 +113,7 @@ def _plain(biped: Biped, side: Side, z: Any, pivot: Any) -> Any:
         *([_lean_gap(sole, z[layout.position + n + 1])] if layout.leans else []),
         *(_own(start, support, mirror) if layout.poses else []),
         *(_places(layout, model, found, torso, mirror, axial) if layout.places else []),
+        *([moment[1] + biped.sole(side).ends[1][0] * force[2]] if layout.poses == 1 else []),
     )
 
 
@@ -113,7 +121,7 @@ def _places(layout: PointLayout, model: Any, found: Any, torso: Any, mirror: Any
     """Centre of mass, its velocity, the torso's frame, and in flight the angular momentum about the foothold."""
     place, speed, spin = symbolic_root.momentum(model, found)
     vectors = [ca.mtimes(mirror, vector) for vector in (place, speed, torso.position)]
-    return [*vectors, *([ca.mtimes(axial, spin)] if layout.poses else [])]
+    return [*vectors, *([ca.mtimes(axial, spin)] if layout.poses == 6 else [])]
 
 
 def _own(start: Any, support: Any, mirror: Any) -> list[Any]:

@@ -24,7 +24,8 @@ class PointLayout:
     Attributes:
         joints: n.
         leans: 2 for line soles, else 0: the support sole's roll about its line, and the other's, rad.
-        poses: 6 where the support sole may fly, else 0: its x, y, z (m, from its foothold), yaw, pitch and roll.
+        poses: 6 where the support sole may fly: its x, y, z (m, from its foothold), yaw, pitch and roll; 1 where it may
+            turn about its toe's edge: its pitch; else 0.
         coordinates: c = n + leans + poses.
         inputs, outputs: how many numbers there are.
         position, velocity, acceleration: inputs: joint angles, then leans, then the pose (c), SI.
@@ -41,9 +42,10 @@ class PointLayout:
             positive when it leans forward.
         ankle, ankle_velocity: of the other ankle (3), m, m/s.
         lean_gap: of line soles: sine of the other sole's roll less its lean.
-        own: of a support sole that may fly: place (3), then yaw, pitch and roll as of the other sole.
+        own: of a support sole that may move: place (3), then yaw, pitch and roll as of the other sole.
         com, momentum, body: where places are wanted: centre of mass (3), m, its velocity (3), m/s, and the torso's
             frame (3), m.
+        edge: of a support sole that may turn about its toe's edge: moment about that, N·m.
         spin: of a robot that may fly: angular momentum about the foothold over the mass (3), m²/s.
         twist: vertical moment about the centre of pressure times the normal force, over the weight, N·m; of the support
             sole, then of the other.
@@ -65,11 +67,12 @@ class PointLayout:
         self.lean_gap = n + 35
         self.own = n + 35 + leans // 2
         self.places = places
-        self.com, self.momentum, self.body, self.spin = (self.own + poses + 3 * k * places for k in range(4))
-        self.twist = self.spin + poses // 2
+        self.com, self.momentum, self.body, self.spin = (self.own + 6 * (poses > 0) + 3 * k * places for k in range(4))
+        self.edge = self.spin
+        self.twist = self.spin + (1 if poses == 1 else poses // 2)
         self.load, self.outputs = self.twist + 2, self.twist + 4
 
 
 def layout_of(biped: Biped) -> PointLayout:
     """The layout of a robot's points."""
-    return PointLayout(biped.joints, biped.leans, 6 * biped.flies, biped.flies or biped.placed)
+    return PointLayout(biped.joints, biped.leans, 6 * biped.flies or int(biped.tips), biped.flies or biped.placed)

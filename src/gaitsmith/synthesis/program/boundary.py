@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State, a
 from gaitsmith.synthesis.program.bounds import Kind
 from gaitsmith.synthesis.program.quantities import Form, joint_form, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows
-from gaitsmith.synthesis.program.transcription import Points, Transcription, flights_of
+from gaitsmith.synthesis.program.transcription import Points, Transcription, flights_of, tips_of
 
 Array = npt.NDArray[np.float64]
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
@@ -40,7 +41,7 @@ def closure_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         if not phase.double:
             continue
         first = trans.first_section[index]
-        joined = index > 0 and phases[index - 1].double
+        joined = index > 0 and (phases[index - 1].double or motion.takes_over(index))
         for k in range(phase.sections + 1):
             if k == 0 and joined:
                 continue
@@ -97,6 +98,7 @@ def passive_rows(rows: Rows, trans: Transcription, points: Points) -> None:
     motion, layout = trans.motion, trans.layout
     scale = _PASSIVE / trans.biped.effort
     _flight_rows(rows, trans, points)
+    _edge_rows(rows, trans, points)
     for point in np.flatnonzero(points.weight > 0.0).tolist() if layout.leans else ():
         index, time = int(points.phase[point]), float(points.time[point])
         if (index or motion.cyclic) and abs(time - motion.borders[index]) < 1e-9:
@@ -130,6 +132,31 @@ def _flight_rows(rows: Rows, trans: Transcription, points: Points) -> None:
                 label = Label("place of the support sole at an end of its flight", "m or rad", phase, float(time), 1.0)
                 matrix = trans.pose_rows(phase, float(time), derivative) * scale
                 rows.add_linear(label, matrix, place if derivative == 0 else np.zeros(6))
+
+
+def _edge_rows(rows: Rows, trans: Transcription, points: Points) -> None:
+    """A support sole that turns about its toe's edge: no moment about that; flat and still where it is not yet turned.
+
+    Where the other foot lands instead, that one is flat and still at its foothold then.
+    """
+    motion, layout = trans.motion, trans.layout
+    scale = _PASSIVE / trans.biped.effort
+    for run in tips_of(motion):
+        begin, end = float(motion.borders[run[0]]), float(motion.borders[run[-1] + 1])
+        for point in np.flatnonzero((points.weight > 0.0) & np.isin(points.phase, run)).tolist():
+            index, time = int(points.phase[point]), float(points.time[point])
+            if index == run[0] or abs(time - motion.borders[index]) > 1e-9:
+                label = Label("moment about the toe's edge", "N·m", index, time, 1.0 / scale)
+                rows.add(label, 0.0, 0.0, {point * layout.outputs + layout.edge: scale})
+        after = motion.phases[run[-1] + 1]
+        ends = [(run[0], begin)] + ([] if after.double else [(run[-1], end)])
+        for index, time in ends:
+            for derivative, factor in enumerate((1.0, 0.1, 0.01)):
+                label = Label("pitch of the support foot", "rad", index, time, 1.0)
+                rows.add_linear(label, trans.pose_rows(index, time, derivative) * factor, np.zeros(1))
+        if after.double:
+            landed = replace(motion.phases[run[-1]], contact="flat", other=after.foothold, other_height=after.height)
+            _close(rows, trans, _point(points, run[-1], end), run[-1], landed, True, end)
 
 
 def _ballistic_rows(rows: Rows, trans: Transcription, points: Points, run: list[int]) -> None:
@@ -180,6 +207,8 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
         for k in range(4) if edge else ():
             if (4, k) not in fixed:
                 rows.add(label, 0.0, 0.0, lin=_sum(0, {int(columns[4, k]): cos, int(columns[3, k]): -sin}))
+        if motion.takes_over(index):
+            _taken_over(rows, trans, points, index, label)
         if index == 0 or not phases[index - 1].double:
             continue
         previous = phases[index - 1]
@@ -200,6 +229,22 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             # The wrench on the sole that was the support, seen in the mirrored frame of the new one.
             seen = -frame[row] * _MIRROR / trans.biped.weight
             rows.add(label, 0.0, 0.0, _sum(point * layout.outputs + layout.force, dict(enumerate(seen.tolist()))), lin)
+
+
+def _taken_over(rows: Rows, trans: Transcription, points: Points, index: int, label: Label) -> None:
+    """U begins as the wrench, about the toe's edge, on the foot that bore all before, in the mirrored frame."""
+    layout, before, weight = trans.layout, trans.motion.phases[index - 1], trans.biped.weight
+    base = _point(points, index - 1, float(trans.motion.borders[index])) * layout.outputs
+    columns = trans.wrench_columns(index)[:, 0]
+    x, right, far = trans.biped.sole(before.support).ends[1]
+    y = before.side * 0.5 * (right + far)
+    force = base + layout.force
+    forms: list[Form] = [{force + k: 1.0} for k in range(6)]
+    forms[3] |= {force + 2: -y}  # M - r × F
+    forms[5] |= {force + 1: -x, force: y}
+    for row in (0, 1, 2, 3, 5):  # about the edge itself neither has a moment
+        out = {k: -_MIRROR[row] * f / weight for k, f in forms[row].items() if f}
+        rows.add(label, 0.0, 0.0, out, {int(columns[row]): 1.0})
 
 
 def _about_sole(trans: Transcription, phase: int, coefficient: int) -> list[dict[int, float]]:

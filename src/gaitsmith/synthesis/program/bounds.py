@@ -108,11 +108,11 @@ def _sine(name: str, form: Form, low: float, high: float, span: float, interior:
     return PhaseBound(Kind.REQUEST, name, "rad", form, {}, low, high, span, interior=interior, sine=True)
 
 
-def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> list[PhaseBound]:
+def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool, beside: bool = False) -> list[PhaseBound]:
     """Friction, centre of pressure, yaw moment and normal force of the wrench on the support sole, or on the other.
 
-    Forces are relative to the weight. Lengthwise the margin is 0 while both feet bear, because a foot that turns about
-    its edge has its ZMP there.
+    Forces are relative to the weight. Lengthwise the margin is 0 while both feet bear, and ``beside`` a phase in which
+    the foot turns about its edge, because its ZMP is there then.
     """
     layout, weight = layout_of(biped), biped.weight
     cos, sin = (float(f(phase.bend)) if other else x for f, x in ((np.cos, 1.0), (np.sin, 0.0)))
@@ -144,12 +144,17 @@ def _contact_bounds(biped: Biped, bounds: Bounds, phase: Phase, other: bool) -> 
         form = {fx: np.cos(angle), fy: np.sin(angle), fz: -inner * bounds.friction}
         add(Kind.FRICTION, "friction", "of the load", form, 1.0)
         tell(bounds.friction, bounds.friction, inner)
-    sole, ends = biped.sole(foot), 0.0 if phase.double else bounds.zmp_margin
+    sole, ends = biped.sole(foot), 0.0 if phase.double or beside else bounds.zmp_margin
     edges = sole.edges * (1.0, phase.side, 1.0)
     if other and phase.contact != "flat":
         _, right, left = sole.ends[0 if phase.contact == "heel" else 1]
         half = 0.5 * float(left - right)
         edges, yaw = np.array([(0.0, 1.0, half), (0.0, -1.0, half)]), min(yaw, _TWIST * bounds.friction * half)
+    if not other and phase.tips:
+        _, right, left = sole.ends[1]
+        half, middle = 0.5 * float(left - right), phase.side * 0.5 * float(left + right)
+        edges = np.array([(0.0, 1.0, half + middle), (0.0, -1.0, half - middle)])
+        yaw = min(yaw, _TWIST * bounds.friction * half)
     for x, y, distance in edges.tolist():
         along = abs(x) > abs(y)
         name = ("backward", "forward")[x > 0.0] if along else ("outward", "inward")[(y > 0.0) != other]
@@ -207,6 +212,8 @@ def _foot_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
         low, high = (-_LEVEL, 0.0) if phase.contact == "heel" else (0.0, _LEVEL)
         return [_sine("foot pitch", {layout.foot_pitch: 1.0}, low, high, 1.0, interior=True)]
     found = []
+    if phase.tips:
+        found.append(_sine("support foot pitch", {layout.own + 4: 1.0}, 0.0, _LEVEL, 1.0, interior=True))
     for x, y in biped.corners("flat", phase.other_foot).tolist():
         form = {layout.pivot + 2: 1.0, layout.foot_pitch: -x, layout.foot_roll: phase.side * y}
         clear = PhaseBound(Kind.REQUEST, "swing clearance", "m", form, {}, 0.0, np.inf, length, interior=True)
@@ -267,8 +274,12 @@ def check_roots(biped: Biped, motion: Motion, order: int) -> None:
     Raises:
         BadInput: naming the phase, or the order.
     """
-    if order < 5 and (biped.lines or motion.flies):
-        raise BadInput("order", order, "5 for line soles and flights", "their equations of motion need it")
+    if order < 5 and (biped.lines or motion.flies or motion.tips):
+        valid = "5 for line soles, flights and support feet on their toes"
+        raise BadInput("order", order, valid, "their equations of motion need it")
+    if motion.tips and (biped.lines or motion.flies):
+        index = next(k for k, phase in enumerate(motion.phases) if phase.tips)
+        raise BadInput(f"phases[{index}].support_contact", "toe", "flat for line soles, and in motions with flights")
     check_slope(motion)
     if motion.slope and biped.lines:
         raise BadInput("slope", motion.slope, "0 for soles that are lines")
@@ -283,7 +294,7 @@ def phase_bounds(biped: Biped, bounds: Bounds, motion: Motion, index: int) -> li
     layout = layout_of(biped)
     found = joint_bounds(biped, bounds, phase.side)
     if not phase.flies:
-        found += _contact_bounds(biped, bounds, phase, False)
+        found += _contact_bounds(biped, bounds, phase, False, motion.beside_edge(index))
     if phase.double:
         found += _contact_bounds(biped, bounds, phase, True)
     heights = (0.3 * biped.height, biped.height - bounds.squat, biped.height)

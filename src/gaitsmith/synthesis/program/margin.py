@@ -29,7 +29,8 @@ def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> Pha
     """A phase's bound with its margin, and with the violation that is accepted of it."""
     layout = layout_of(biped)
     other = min(bound.inp, default=0) >= layout.wrench
-    if motion.phases[index].double and bound.name.endswith(("ZMP forward", "ZMP backward")):
+    beside = motion.phases[index].double or motion.beside_edge(index)
+    if beside and bound.name.endswith(("ZMP forward", "ZMP backward")):
         return replace(bound, slack=EXACT)
     if bound.load != NO_LOAD:
         share = MARGIN * bound.ratio_span * bound.factor / biped.weight
@@ -48,7 +49,7 @@ def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> Pha
         and min(abs(item.value - bound.low), abs(item.value - bound.high)) <= _ON
         for item in motion.conditions
     )
-    flies = any(phase.flies for phase in motion.phases[max(index - 1, 0) : index + 2])
+    flies = motion.takes_over(index) or any(phase.flies for phase in motion.phases[max(index - 1, 0) : index + 2])
     if met or ((other or flies) and bound.kind is Kind.NORMAL_FORCE):
         return replace(bound, slack=EXACT)
     room = min(MARGIN * bound.span, 0.5 * (1.0 - _LEFT) * (bound.high - bound.low))

@@ -204,7 +204,11 @@ def unloaded(trans: Transcription, phase: int, start: bool, end: bool) -> bool:
     """Whether a support sole bears nothing at an end of a phase, because a flight is there."""
     phases = trans.motion.phases
     after_flight = start and phase > 0 and phases[phase - 1].flies
-    return after_flight or (end and phase + 1 < len(phases) and phases[phase + 1].flies)
+    return (
+        after_flight
+        or (start and trans.motion.takes_over(phase))
+        or (end and phase + 1 < len(phases) and phases[phase + 1].flies)
+    )
 
 
 def bears(trans: Transcription, bound: PhaseBound) -> bool:

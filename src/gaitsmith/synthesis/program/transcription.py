@@ -22,6 +22,7 @@ Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 WRENCH_DEGREE = 3
 _KEPT = 5000  # points of which the map is remembered
+SOON = 4e-3  # share of a phase in which a foot takes over the load, after which it bears enough to be looked at
 _UNIT = np.eye(WRENCH_DEGREE + 1)
 
 
@@ -64,6 +65,12 @@ def flights_of(motion: Motion) -> list[list[int]]:
     return [list(group) for flies, group in grouped if flies]
 
 
+def tips_of(motion: Motion) -> list[list[int]]:
+    """Phases in a row in which the support foot turns about its toe's edge."""
+    grouped = groupby(range(len(motion.phases)), lambda k: motion.phases[k].tips)
+    return [list(group) for tips, group in grouped if tips]
+
+
 class Transcription:
     """Unknowns x of a motion and their linear maps to the points.
 
@@ -96,11 +103,11 @@ class Transcription:
                 self._wrench_first[index] = size
                 size += 6 * (WRENCH_DEGREE + 1)
         self.flights: dict[int, tuple[int, JointSpline, int]] = {}  # by phase: first section, spline, first unknown
-        for run in flights_of(motion):
+        for run in flights_of(motion) + tips_of(motion):
             first, end = self.first_section[run[0]], self.first_section[run[-1]] + motion.phases[run[-1]].sections
             own = JointSpline(np.array(knots[first : end + 1]), settings.order)
             self.flights |= dict.fromkeys(run, (first, own, size))
-            size += 6 * own.size
+            size += self.layout.poses * own.size
         self.size = size
         self._maps: dict[tuple[int, int, float, int], tuple[Array, Indices, Indices]] = {}
         self.limits: list[list[PhaseBound]] = [
@@ -116,18 +123,18 @@ class Transcription:
             self.pivots = np.hstack([self.pivots, np.tile(down, (len(motion.phases), 1))])
 
     def pose_rows(self, phase: int, time: float, derivative: int) -> sp.csr_matrix:
-        """(6, size) map from x to the pose of the support sole in flight, or to a derivative, at a time."""
+        """(poses, size) map from x to the pose of a support sole that moves, or to a derivative, at a time."""
         data, rows, columns = self._pose(
             phase, int(self.instants(phase, np.array([time])).section[0]), time, derivative
         )
-        return sp.csr_matrix((data, (rows, columns)), shape=(6, self.size))
+        return sp.csr_matrix((data, (rows, columns)), shape=(self.layout.poses, self.size))
 
     def _pose(self, phase: int, section: int, time: float, derivative: int) -> tuple[Array, Indices, Indices]:
         """Values, rows and columns of that map."""
         first, own, start = self.flights[phase]
-        row, coordinate = own.row(section - first, time, derivative), np.arange(6)
+        row, coordinate = own.row(section - first, time, derivative), np.arange(self.layout.poses)
         columns = start + own.size * coordinate[:, None] + own.first(section - first) + np.arange(own.degree + 1)
-        return np.tile(row, 6), np.repeat(coordinate, own.degree + 1), columns.ravel()
+        return np.tile(row, len(coordinate)), np.repeat(coordinate, own.degree + 1), columns.ravel()
 
     def points(self) -> Points:
         """Gauss-Lobatto points of every section; a knot inside a phase is one point."""
@@ -152,6 +159,8 @@ class Transcription:
         ends = [
             (index, k) for index, item in enumerate(self.motion.phases) if item.double for k in self._vanishing(index)
         ]
+        soon = np.array([k for k in range(len(self.motion.phases)) if self.motion.takes_over(k)], dtype=np.int64)
+        found = found.with_(self.instants(soon, self.borders[soon] + SOON * np.diff(self.borders)[soon]))
         phases, controls = np.array(ends, dtype=np.int64).reshape(-1, 2).T
         return found.with_(replace(self.instants(phases, self.borders[phases + (controls > 1)]), control=controls))
 
@@ -223,7 +232,7 @@ class Transcription:
             data.append((sign[:, None] * self.spline.row(section, t, derivative)).ravel())
             rows.append(np.repeat(derivative * layout.coordinates + local, width))
             columns.append((starts[:, None] + np.arange(width)).ravel())
-            if phase.flies:
+            if index in self.flights:
                 values, pose, places = self._pose(index, section, t, derivative)
                 data.append(values)
                 rows.append(derivative * layout.coordinates + layout.pose + pose)

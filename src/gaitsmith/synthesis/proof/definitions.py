@@ -24,7 +24,7 @@ from gaitsmith.synthesis.motions.motion import (
     of_joint,
     unit_of,
 )
-from gaitsmith.synthesis.proof.quantities import Measured, along_sole, corner_heights, own_heights, quantity
+from gaitsmith.synthesis.proof.quantities import Measured, about_toe, along_sole, corner_heights, own_heights, quantity
 
 LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something
 ROUNDING = 1e-9  # share of a bound's range: the resolution of a file's numbers
@@ -84,7 +84,7 @@ def phase_bounds(found: Measured, biped: Biped, bounds: dict[str, float], motion
     phase = motion.phases[index].straight
     items = [*joint_limits(found, biped, bounds, phase)]
     for foot in () if phase.flies else (phase.support, phase.other_foot) if phase.double else (phase.support,):
-        items += _contact(found, biped, bounds, phase, foot)
+        items += _contact(found, biped, bounds, phase, foot, motion.beside_edge(index))
     tall = biped.height
     above = found.hip - (found.own[2] - phase.height) if phase.flies else found.hip
     items.append(Bound("squat", "m", above, _CROUCH * tall, tall - bounds["squat"], tall))  # (7)
@@ -168,7 +168,7 @@ def sole_edges(biped: Biped, phase: Phase, foot: Side) -> list[tuple[str, float,
     if biped.lines:
         sole = biped.sole(foot)
         return [("forward", 1.0, 0.0, sole.toe), ("backward", -1.0, 0.0, sole.heel)]
-    corners = biped.corners("flat" if foot == phase.support else phase.contact, foot)
+    corners = biped.corners(phase.support_contact if foot == phase.support else phase.contact, foot)
     inward = 1.0 if foot == "right" else -1.0
     if len(corners) == 2:
         half = 0.5 * float(np.ptp(corners[:, 1]))
@@ -183,10 +183,17 @@ def sole_edges(biped: Biped, phase: Phase, foot: Side) -> list[tuple[str, float,
     return found
 
 
-def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Phase, foot: Side) -> Iterator[Bound]:
-    """(12)-(14) of one foot: friction, the ZMP inside the sole, yaw moment about it, and no pull."""
+def _contact(
+    found: Measured, biped: Biped, bounds: dict[str, float], phase: Phase, foot: Side, beside: bool
+) -> Iterator[Bound]:
+    """(12)-(14) of one foot: friction, the ZMP inside the sole, yaw moment about it, and no pull.
+
+    ``beside``: the support foot turns about its edge before or after, so that its ZMP is there then.
+    """
     bears = foot == phase.support
     force, moment = (found.force, found.moment) if bears else (found.push, found.turn)
+    if bears and phase.tips:
+        moment = about_toe(found, biped, phase)
     if not bears:
         force, moment = (along_sole(vector, phase.other_heading) for vector in (force, moment))
     weight, sole = biped.weight, biped.sole(foot)
@@ -208,11 +215,11 @@ def _contact(found: Measured, biped: Biped, bounds: dict[str, float], phase: Pha
     edges = sole_edges(biped, phase, foot)
     for name, x, y, distance in edges:
         along = name in ("forward", "backward")
-        margin = 0.0 if along and phase.double else bounds["zmp_margin"]
+        margin = 0.0 if along and (phase.double or beside) else bounds["zmp_margin"]
         room = max(distance - margin, _KEPT * distance)
         size = sole.heel + sole.toe if along else 2.0 * sole.half_width
         yield ratio(f"ZMP {name}", "m", mx * y - my * x, room, size)
-    if not bears and phase.contact != "flat":
+    if phase.tips if bears else phase.contact != "flat":
         yaw = min(yaw, _ENDS * friction * edges[0][3])
     twist = mx * fx + my * fy + mz * fz  # times the load: about the centre of pressure
     for sign in (1.0, -1.0):
@@ -230,6 +237,9 @@ def _foot(found: Measured, biped: Biped, bounds: dict[str, float], motion: Motio
         yield Bound("foot pitch", "rad", pitch, low, high, 1.0, interior=True, sine=True, allowed=GROUND)
     if phase.double:
         return
+    if phase.tips:
+        own = -found.level[2, 0]
+        yield Bound("support foot pitch", "rad", own, 0.0, _LEVEL, 1.0, interior=True, sine=True, allowed=GROUND)
     foot = biped.sole(phase.other_foot)
     rise = found.profile(motion.lifts(index), motion.lands(index)) * bounds["clearance"]
     for height in corner_heights(found, biped, phase):

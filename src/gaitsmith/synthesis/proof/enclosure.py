@@ -87,7 +87,7 @@ def enclose(gait: Gait, biped: Biped, engine: EnclosedRobot, index: int, stretch
         wrench.put(mask, *_series(piece.wrench, middle, half), 1.0)
         middles[mask], spans[mask] = piece.start + middle * piece.duration, 2.0 * half * piece.duration
     states = q.taylor, v.taylor, a.taylor
-    moving = [rows.taylor for rows in pose] if biped.lines or phase.flies else None
+    moving = [rows.taylor for rows in pose] if biped.lines or phase.flies or phase.tips else None
     motions = engine.motions(phase.support, phase.stand, *states, moving)
     both = {"left": (wrench.taylor[0:3], wrench.taylor[3:6]), "right": (wrench.taylor[6:9], wrench.taylor[9:12])}
     loads = engine.inertial(motions)
@@ -191,6 +191,10 @@ def _measured(
             place, speed, pull = point(np.array([x, y, 0.0]))
             goal = about_vertical(phase.other_heading) @ (x, y, 0.0) + (*phase.other, phase.other_height)
             contacts.append((place - goal[:, None], speed, pull))
+    if phase.tips:
+        for x, y in biped.corners("toe", phase.support).tolist():
+            place, speed, pull = own.point(stands.sole_position + stands.sole_rotation @ np.array([x, y, 0.0]))
+            contacts.append((place - np.add(phase.stand, (x, y, 0.0))[:, None], speed, pull))
     ankle, ankle_speed, _ = foot.point(np.zeros(3))
     share = np.zeros((DEGREE + 1, len(middles)))
     share[0] = (middles - gait.motion.borders[index]) / phase.duration

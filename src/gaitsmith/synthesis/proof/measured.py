@@ -13,7 +13,7 @@ from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import about_vertical
-from gaitsmith.synthesis.proof.quantities import Measured, along_sole
+from gaitsmith.synthesis.proof.quantities import Measured, about_toe, along_sole
 
 Array = npt.NDArray[np.float64]
 CLOSURE = ("position_mm", "velocity", "acceleration")
@@ -62,6 +62,7 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
     support, other = (wrench[6:], wrench[:6]) if phase.support == "right" else (wrench[:6], wrench[6:])
     count, pivot = len(times), biped.pivot(phase)
+    toe = np.array([(x, y, 0.0) for x, y in biped.corners("toe", phase.support)]).T if phase.tips else None
     vectors, matrices = ("pivot", "ankle", "ankle_velocity", "own", "body"), ("rotation", "torso", "level")
     rows: dict[str, Any] = {"hip": np.zeros(count)}
     centre = np.zeros((2, 3, count))
@@ -77,7 +78,10 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         foot = finder.foot(phase.other_foot, heel)
         rows["ankle"][:, k], rows["ankle_velocity"][:, k], _, rotation, *_ = foot
         rows["pivot"][:, k], rows["rotation"][..., k] = foot[0] + rotation @ (pivot - heel), rotation
-        rows["own"][:, k], _, _, rows["level"][..., k], *_ = finder.foot(phase.support, np.zeros(3))
+        own = finder.foot(phase.support, np.zeros(3))
+        rows["own"][:, k], rows["level"][..., k] = own[0], own[3]
+        if toe is not None:
+            _closure(errors, toe, toe + np.array(phase.stand)[:, None], own)
         torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
         rows["torso"][..., k] = torso
         rows["body"][:, k] = finder.data.xpos[robot.torso_body]
@@ -99,7 +103,7 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         errors.edge = larger(errors.edge, np.abs([support[3], about]).max(initial=0.0) / biped.effort)
     share = (times - gait.motion.borders[index]) / phase.duration
     profile: Callable[[bool, bool], Any] = lambda lifts, lands: rise(share, lifts, lands)  # noqa: E731
-    return Measured(
+    found = Measured(
         q,
         v,
         a,
@@ -113,6 +117,9 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         profile=profile,
         **rows,
     )
+    if phase.tips:
+        errors.edge = larger(errors.edge, np.abs(about_toe(found, biped, phase)[1]).max(initial=0.0) / biped.effort)
+    return found
 
 
 def _closure(errors: Errors, points: Array, goals: Array, foot: tuple[Array, ...]) -> None:

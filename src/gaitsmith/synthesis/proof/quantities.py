@@ -63,6 +63,15 @@ def along_sole(vector: Any, heading: float) -> tuple[Any, Any, Any]:
     return vector[0] * cos + vector[1] * sin, vector[1] * cos - vector[0] * sin, vector[2]
 
 
+def about_toe(found: Measured, biped: Biped, phase: Phase) -> tuple[Any, Any, Any]:
+    """(3,) moment on the support sole about the middle of its toe's edge, world axes, N·m: M - r × F."""
+    x, right, left = biped.sole(phase.support).ends[1]
+    rx, ry, rz = (found.level[k, 0] * x + found.level[k, 1] * (0.5 * (right + left)) for k in range(3))
+    fx, fy, fz = (found.force[k] for k in range(3))
+    mx, my, mz = (found.moment[k] for k in range(3))
+    return mx - ry * fz + rz * fy, my - rz * fx + rx * fz, mz - rx * fy + ry * fx
+
+
 def own_heights(found: Measured, biped: Biped, phase: Phase) -> list[Any]:
     """Heights of the support sole's corners above the ground under it, m."""
     row, above = found.level[2], found.own[2] - phase.height

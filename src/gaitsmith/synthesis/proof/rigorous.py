@@ -17,13 +17,14 @@ from gaitsmith.synthesis.proof.box import Box, stability
 from gaitsmith.synthesis.proof.definitions import ROUNDING, Bound, phase_bounds
 from gaitsmith.synthesis.proof.dynamics import EnclosedRobot
 from gaitsmith.synthesis.proof.enclosure import Enclosed, enclose, first_stretches
-from gaitsmith.synthesis.proof.quantities import corner_heights, own_heights
+from gaitsmith.synthesis.proof.quantities import about_toe, corner_heights, own_heights
 from gaitsmith.synthesis.proof.ranges import suprema
 from gaitsmith.synthesis.proof.taylor import Taylor
 
 Array = npt.NDArray[np.float64]
 _TIGHT = 1e-6  # share of a range, to which reported values are known
 _WIDE = 1e-7  # share of a range: stretches with larger radii are halved
+_FINE = 1e-10  # the same where a foot has no load yet, and all its bounds are met exactly
 _COARSE = 0.02  # the same of what only has to be small
 _ROUNDS = 8
 _EQUATIONS = {"closure": 1e-4, "closure velocity": 0.005, "closure acceleration": 0.5}  # m, m/s, m/s²
@@ -124,7 +125,8 @@ def prove(gait: Gait, robot: Robot, report: Callable[[int, int], None] | None = 
             limits = phase_bounds(enclosed.measured, biped, gait.bounds, gait.motion, index)
             equations = _equations(enclosed, biped, phase)
             bounds, wide = [*limits, *equations], np.zeros(len(todo), dtype=bool)
-            for items, share in ((limits, _WIDE), (equations, _COARSE)):
+            landing = [gait.motion.takes_over(index) and item.section == 0 and item.begin == 0.0 for item in todo]
+            for items, share in ((limits, np.where(landing, _FINE, _WIDE)), (equations, _COARSE)):
                 for bound in items:
                     wide |= ~(bound.value.r <= share * bound.span)
             last = turn == _ROUNDS - 1
@@ -152,8 +154,11 @@ def _equations(enclosed: Enclosed, biped: Biped, phase: Phase) -> list[Bound]:
         for moment in (enclosed.measured.moment[0], enclosed.measured.turn[0]):
             value = moment * (1.0 / biped.effort)
             found.append(Bound("moment about a sole's line", "weights·m", value, -_LINE, _LINE, 2.0 * _LINE))
+    if phase.tips:
+        value = about_toe(enclosed.measured, biped, phase)[1] * (1.0 / biped.effort)
+        found.append(Bound("moment about the toe's edge", "weights·m", value, -_LINE, _LINE, 2.0 * _LINE))
     heights = corner_heights(enclosed.measured, biped, phase)
-    for height in heights + (own_heights(enclosed.measured, biped, phase) if phase.flies else []):
+    for height in heights + (own_heights(enclosed.measured, biped, phase) if phase.flies or phase.tips else []):
         found.append(Bound("height of a sole", "m", height, -_PENETRATION, np.inf, 0.1 * biped.height))
     return found
 

@@ -168,7 +168,9 @@ def _verified(gait: Gait, robot: Robot, dense: int, report: Callable[[int, int],
 def _figures(verdict: Verdict, biped: Biped, gait: Gait, index: int, found: Measured) -> None:
     """Penetration, clearance and ZMP margins of one phase, mm."""
     phase = gait.motion.phases[index].straight
-    heights = corner_heights(found, biped, phase) + (own_heights(found, biped, phase) if phase.flies else [])
+    heights = corner_heights(found, biped, phase) + (
+        own_heights(found, biped, phase) if phase.flies or phase.tips else []
+    )
     lowest = 1e3 * np.min(heights, axis=0)
     verdict.penetration = larger(verdict.penetration, -lowest.min())
     if phase.double and phase.rise:
@@ -190,10 +192,10 @@ def _figures(verdict: Verdict, biped: Biped, gait: Gait, index: int, found: Meas
 
 def _zmp(found: Measured, phase: Phase) -> Array:
     """(2, N) zero moment point of both wrenches on the ground, world, m; eq. (12)."""
-    x, y = phase.foothold
+    x, y, z = found.own - np.array([0.0, 0.0, phase.height])[:, None]
     load = found.force[2] + found.push[2]
-    mx = found.moment[0] + y * found.force[2] + found.turn[0] + found.pivot[1] * found.push[2]
-    my = found.moment[1] - x * found.force[2] + found.turn[1] - found.pivot[0] * found.push[2]
+    mx = found.moment[0] + y * found.force[2] - z * found.force[1] + found.turn[0] + found.pivot[1] * found.push[2]
+    my = found.moment[1] - x * found.force[2] + z * found.force[0] + found.turn[1] - found.pivot[0] * found.push[2]
     return np.array([-my / load, mx / load])
 
 

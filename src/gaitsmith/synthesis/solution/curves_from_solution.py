@@ -186,6 +186,9 @@ def finished_pieces(
     across = np.full(z.shape[1], np.cos(item.bend))
     r = x * along + y * np.vstack([-o[layout.foot_yaw], across, o[layout.foot_roll]])
     u[3:] += np.cross(r.T, u[:3].T).T
+    if item.tips:  # about the sole frame's origin, which moves
+        place = o[layout.own : layout.own + 3]
+        support = np.vstack([support[:3], support[3:] - np.cross(place.T, support[:3].T).T])
     if item.flies:  # to what the equations of motion leave
         support = 0.0 * support
     joints = [coefficients[:n, : trans.settings.order + 1] for _, _, coefficients in pieces]
@@ -193,6 +196,8 @@ def finished_pieces(
     signs = np.ones(6) if item.side > 0 else _MIRROR
     roots = [signs[6 - (own.stop - own.start) :, None] * coefficients[own] for _, _, coefficients in pieces]
     roots = [root if len(root) else np.zeros((0, 1)) for root in roots]
+    if item.tips:
+        roots = [_about_toe(c[layout.pose], trans.biped.sole(item.support).ends[1][0]) for _, _, c in pieces]
     if item.side < 0:
         torque = trans.biped.mirrored(torque.T).T
         support, u = support * _MIRROR[:, None], u * _MIRROR[:, None]
@@ -202,6 +207,24 @@ def finished_pieces(
     series = [_trimmed(part[:n] @ to_series) for part in parts], [_trimmed(part[n:] @ to_series) for part in parts]
     every = zip(pieces, joints, *series, roots, strict=True)
     return tuple(Piece(start, span, *each) for (start, span, _), *each in every)
+
+
+def _about_toe(pitch: Array, reach: float) -> Array:
+    """(6, m) pose of a sole that turns about its toe's edge by a polynomial, as polynomials.
+
+    Args:
+        pitch: its coefficients, rad.
+        reach: of the toe from the sole frame, m.
+    """
+    s, to_series = chebyshev_fit(_SAMPLES)
+    angle = np.polynomial.polynomial.polyval(s, pitch)
+    places = np.array([reach * (1.0 - np.cos(angle)), reach * np.sin(angle)]) @ to_series
+    found = np.zeros((6, _SAMPLES))
+    found[4, : len(pitch)] = pitch
+    for row, series in zip((0, 2), places, strict=True):
+        powers = np.polynomial.Polynomial.cast(np.polynomial.Chebyshev(series, [0, 1])).coef
+        found[row, : len(powers)] = powers
+    return found
 
 
 def objective_of(trans: Transcription, x: Array, pieces: list[tuple[Piece, ...]]) -> float:

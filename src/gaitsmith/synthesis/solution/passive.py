@@ -58,11 +58,11 @@ def with_roots(
     found, phases = list(pieces), trans.motion.phases
 
     def kind(k: int) -> tuple[bool, bool, str]:
-        return phases[k].double, phases[k].flies, phases[k].support
+        return phases[k].double, phases[k].flies or phases[k].tips, phases[k].support
 
-    for (double, flies, _), group in groupby(range(len(phases)), kind):
+    for (double, moves, _), group in groupby(range(len(phases)), kind):
         run = list(group)
-        if double or not (flies or trans.layout.leans):
+        if double or not (moves or trans.layout.leans):
             continue
         borders = set(np.cumsum([len(pieces[k]) for k in run]).tolist())
         solved = iter(_Run(trans, functions, run[0], [piece for k in run for piece in pieces[k]], borders).solved())
@@ -83,11 +83,14 @@ class _Run:
 
     def __post_init__(self) -> None:
         layout, biped = self.trans.layout, self.trans.biped
-        flies = self.trans.motion.phases[self.phase].flies
+        phase = self.trans.motion.phases[self.phase]
         self.side = self.trans.motion.phases[self.phase].side
-        self.own = np.arange(layout.pose, layout.pose + 6) if flies else np.array([layout.joints])
-        self.rows = np.arange(layout.force, layout.force + 6) if flies else np.array([layout.moment])
+        moves = phase.flies or phase.tips
+        self.own = layout.pose + np.arange(layout.poses) if moves else np.array([layout.joints])
+        self.rows = np.arange(layout.force, layout.force + 6) if phase.flies else np.array([layout.moment])
+        self.rows = np.array([layout.edge]) if phase.tips else self.rows
         self.scale = np.where(self.rows < layout.moment, 1.0 / biped.weight, 1.0 / biped.effort)
+        self.pivot = self.trans.pivots[self.phase][:, None]
         self.spans = np.array([span for _, span, _ in self.pieces])
         self.free = [k for k in range(1, len(self.pieces)) if k not in self.borders]
 
@@ -102,7 +105,7 @@ class _Run:
         root = series.reshape(len(_POWERS), *padded.shape[:2]).transpose(1, 2, 0)
         for _ in range(_ROUNDS):
             z = self._inputs(states, root)
-            o, J = self.functions.differentiate(z, np.zeros((3, z.shape[1])), self.side)
+            o, J = self.functions.differentiate(z, np.tile(self.pivot, (1, z.shape[1])), self.side)
             gap = (o[self.rows] * self.scale[:, None]).T.ravel()  # by node, then row
             left = self._ends(root, ends)
             if max(np.abs(gap).max(), np.abs(left).max()) < _DONE:

@@ -130,7 +130,7 @@ class Planner:
         self.biped: Biped = biped_from(robot, free)
         self.notify = notify
         self._compile_s: float | None = None  # reported once, by the first plan
-        self._others: dict[tuple[bool, bool, bool], Planner] = {}
+        self._others: dict[tuple[bool, ...], Planner] = {}
 
     @cached_property
     def functions(self) -> PointFunctions:
@@ -139,11 +139,11 @@ class Planner:
 
     def suited(self, motion: Motion) -> Planner:
         """The same, or one whose functions know flights, places of the robot's mass or slopes, if a motion has them."""
-        kind = motion.flies, motion.placed and not motion.flies, motion.slope != 0.0
-        found = self if kind == (self.biped.flies, self.biped.placed, self.biped.slopes) else self._others.get(kind)
+        kind = motion.flies, motion.placed and not motion.flies, motion.slope != 0.0, motion.tips
+        found = self if kind == self.biped.kind else self._others.get(kind)
         if found is None:
             found = self._others[kind] = Planner(self.biped.robot, self.notify)
-            found.biped = replace(self.biped, flies=kind[0], placed=kind[1], slopes=kind[2])
+            found.biped = self.biped.of_kind(*kind)
         return found
 
     def plan(
