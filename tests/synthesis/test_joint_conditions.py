@@ -11,7 +11,8 @@ from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.files.gait_file import gait_document, gait_of
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.gait import follow
-from gaitsmith.synthesis.motions.motion import RATE, At, Limit, Same
+from gaitsmith.synthesis.motions.motion import At, Limit, Same
+from gaitsmith.synthesis.motions.quantities import RATE
 from gaitsmith.synthesis.proof.rigorous import proof_of
 from gaitsmith.synthesis.proof.verify import verify
 

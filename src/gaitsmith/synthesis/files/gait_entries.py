@@ -14,20 +14,8 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.gaits.gait import CHANNELS, Gait, Piece
 from gaitsmith.synthesis.motions.contacts import check_contacts, check_slope
-from gaitsmith.synthesis.motions.motion import (
-    JOINT_QUANTITIES,
-    QUANTITIES,
-    RATE,
-    At,
-    Condition,
-    Limit,
-    Motion,
-    Phase,
-    Same,
-    State,
-    Unloaded,
-    of_joint,
-)
+from gaitsmith.synthesis.motions.motion import At, Condition, Limit, Motion, Phase, Same, State, Unloaded
+from gaitsmith.synthesis.motions.quantities import JOINT_QUANTITIES, QUANTITIES, RATE, of_joint
 from gaitsmith.synthesis.motions.settings import Bounds
 
 Array = npt.NDArray[np.float64]

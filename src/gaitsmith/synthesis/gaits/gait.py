@@ -11,18 +11,8 @@ import numpy.typing as npt
 
 from gaitsmith.splines.polynomial import chebyshev
 from gaitsmith.splines.polynomial import polynomial as polynomial
-from gaitsmith.synthesis.motions.motion import (
-    QUANTITIES,
-    RATE,
-    At,
-    Condition,
-    Limit,
-    Motion,
-    Phase,
-    State,
-    of_joint,
-    turned,
-)
+from gaitsmith.synthesis.motions.motion import At, Condition, Limit, Motion, Phase, State, turned
+from gaitsmith.synthesis.motions.quantities import QUANTITIES, RATE, of_joint
 
 Array = npt.NDArray[np.float64]
 _BORDER = 1e-9  # s: an instant so near before a piece lies in it, however its time was rounded

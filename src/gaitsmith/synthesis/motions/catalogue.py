@@ -9,7 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import At, Condition, Limit, Motion, Phase, Same, Side, State, opposite
+from gaitsmith.synthesis.motions.motion import (
+    At,
+    Condition,
+    Limit,
+    Motion,
+    Phase,
+    Same,
+    Side,
+    State,
+    opposite,
+)
 from gaitsmith.synthesis.motions.settings import LEG
 
 Array = npt.NDArray[np.float64]

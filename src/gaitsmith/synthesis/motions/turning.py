@@ -11,7 +11,17 @@ import numpy.typing as npt
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.catalogue import StepParameters, record, sections_of
-from gaitsmith.synthesis.motions.motion import At, Condition, Motion, Phase, Side, State, Unloaded, opposite, turned
+from gaitsmith.synthesis.motions.motion import (
+    At,
+    Condition,
+    Motion,
+    Phase,
+    Side,
+    State,
+    Unloaded,
+    opposite,
+    turned,
+)
 
 Array = npt.NDArray[np.float64]
 _SPARE = 0.05  # of the soles' least distance: by how much they are further apart than they have to be

@@ -10,7 +10,8 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from gaitsmith.errors import BadInput
-from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State, about_vertical, of_joint, turned, unit_of
+from gaitsmith.synthesis.motions.motion import At, Motion, Phase, Same, State, about_vertical, turned
+from gaitsmith.synthesis.motions.quantities import of_joint, unit_of
 from gaitsmith.synthesis.program.bounds import Kind
 from gaitsmith.synthesis.program.quantities import Form, joint_form, quantity_form
 from gaitsmith.synthesis.program.rows import Label, Rows

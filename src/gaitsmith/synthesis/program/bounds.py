@@ -12,7 +12,8 @@ import numpy.typing as npt
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.contacts import check_slope
-from gaitsmith.synthesis.motions.motion import RATE, Motion, Phase, of_joint, unit_of
+from gaitsmith.synthesis.motions.motion import Motion, Phase
+from gaitsmith.synthesis.motions.quantities import RATE, of_joint, unit_of
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.point.layout import layout_of
 from gaitsmith.synthesis.program.quantities import Form, joint_form, quantity_form

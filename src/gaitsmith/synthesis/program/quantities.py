@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Phase, of_joint
+from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.quantities import QUANTITIES, of_joint
 from gaitsmith.synthesis.point.layout import layout_of
 
 Form = dict[int, float]

@@ -13,17 +13,8 @@ from typing import Any
 import numpy as np
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import (
-    RATE,
-    At,
-    Limit,
-    Motion,
-    Phase,
-    Side,
-    by_sine,
-    of_joint,
-    unit_of,
-)
+from gaitsmith.synthesis.motions.motion import At, Limit, Motion, Phase, Side
+from gaitsmith.synthesis.motions.quantities import RATE, by_sine, of_joint, unit_of
 from gaitsmith.synthesis.proof.quantities import Measured, about_toe, along_sole, corner_heights, own_heights, quantity
 
 LOADED = 0.01  # of the weight: what a foot bears at least where ratios of its forces mean something

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Phase, of_joint
+from gaitsmith.synthesis.motions.motion import Phase
+from gaitsmith.synthesis.motions.quantities import QUANTITIES, of_joint
 
 
 @dataclass(frozen=True, eq=False)

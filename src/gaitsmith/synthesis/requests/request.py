@@ -26,7 +26,8 @@ from gaitsmith.synthesis.motions.catalogue import (
     start,
     stop,
 )
-from gaitsmith.synthesis.motions.motion import QUANTITIES, Condition, Motion, Same
+from gaitsmith.synthesis.motions.motion import Condition, Motion, Same
+from gaitsmith.synthesis.motions.quantities import QUANTITIES
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
 from gaitsmith.synthesis.motions.turning import check_turn, turn_cycle, turn_start, turn_stop

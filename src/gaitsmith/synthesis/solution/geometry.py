@@ -5,17 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from gaitsmith.synthesis.motions.motion import (
-    QUANTITIES,
-    RATE,
-    At,
-    Limit,
-    Phase,
-    about_vertical,
-    of_joint,
-    turned,
-    unit_of,
-)
+from gaitsmith.synthesis.motions.motion import At, Limit, Phase, about_vertical, turned
+from gaitsmith.synthesis.motions.quantities import QUANTITIES, RATE, of_joint, unit_of
 from gaitsmith.synthesis.program.quantities import quantity_form
 from gaitsmith.synthesis.program.transcription import Transcription
 
