@@ -1,5 +1,7 @@
 """The zero moment point is where the ground's forces act; the margin is how far inside the soles that is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -78,3 +80,15 @@ def test_distances_from_a_rectangles_edge():
 def test_hull_of_points():
     points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0]])
     assert sorted(map(tuple, hull(points))) == [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
+
+
+def test_under_a_sole_that_rises_it_is_where_the_force_acts():
+    """On its toe: the moment is about a point that has moved up and ahead."""
+    moved, force = np.array([0.01, 0.0, 0.03]), np.array([30.0, -20.0, 400.0])
+    single = replace(STEP, contact="air", other=None)
+    point = np.add(single.foothold, (0.1, 0.02))
+    arm = np.append(point - single.foothold, 0.0) - moved
+    found = np.zeros((12, 1))
+    first = 0 if single.support == "left" else 6
+    found[first : first + 6, 0] = np.concatenate([force, np.cross(arm, force)])
+    assert np.abs(zmp(single, found, moved[:, None])[:, 0] - point).max() < ROUNDING

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -82,6 +84,7 @@ def _conditions(gait: Gait) -> str:
         words += [f"step height {given['height']:g} m"] if "height" in given else []
     elif "speed" in given:
         words = [f"ankle {given['speed']:g} m/s at the ball"]
+    words += [f"on ground that rises by {math.degrees(gait.motion.slope):g}°, x along it"] if gait.motion.slope else []
     words += [f"{given['cycles']:.0f} cycles"] if "cycles" in given else []
     objective = gait.certificate.get("objective")
     words += [f"J = {objective:.1f}"] if isinstance(objective, float) else []

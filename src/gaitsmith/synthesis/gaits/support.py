@@ -46,13 +46,11 @@ def hull(points: Array) -> Array:
     return np.array(chain(ordered) + chain(ordered[::-1])).reshape(-1, 2)
 
 
-def zmp(phase: Phase, wrench: Array) -> Array:
+def zmp(phase: Phase, wrench: Array, moved: Array | None = None) -> Array:
     """(2, N) zero moment point of both contact wrenches (12, N) on the ground, world, m; eq. (12).
 
-    NaN where the support foot turns about its toe: its wrench is about a point that moves.
+    ``moved``: (3, N) of the support sole's frame from its foothold, m; None where it stands still.
     """
-    if phase.tips:
-        return np.full((2, wrench.shape[1]), np.nan)
     level = phase.straight
     force, mx, my = np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1]), np.zeros(wrench.shape[1])
     feet: tuple[tuple[int, Side], ...] = ((0, "left"), (6, "right"))
@@ -60,10 +58,11 @@ def zmp(phase: Phase, wrench: Array) -> Array:
         place = level.place(side)
         if place is None:
             continue
-        fz = wrench[first + 2]
+        fx, fy, fz = wrench[first : first + 3]
+        x, y, z = np.zeros((3, 1)) if moved is None or side != phase.support else moved
         force += fz
-        mx += wrench[first + 3] + place[1] * fz
-        my += wrench[first + 4] - place[0] * fz
+        mx += wrench[first + 3] + (place[1] + y) * fz - z * fy
+        my += wrench[first + 4] - (place[0] + x) * fz + z * fx
     point, origin = np.array([-my / force, mx / force]), np.array(phase.foothold)[:, None]
     return np.asarray(origin + about_vertical(phase.heading)[:2, :2] @ (point - origin)) if phase.heading else point
 

@@ -97,7 +97,7 @@ class UnrolledGait:
             root = pair.roots(number, within[mask]).T
             wrenches = pair.wrenches(number, within[mask])
             with np.errstate(divide="ignore", invalid="ignore"):  # without load there is no ZMP
-                found.zmp[mask] = zmp(phase, wrenches).T
+                found.zmp[mask] = zmp(phase, wrenches, root.T[0, :3] if phase.tips else None).T
             for k, row in enumerate(mask.tolist()):
                 heading = turns[row] * self._turn
                 away, start = about_vertical(heading)[:2, :2], self._starts[turns[row]]
