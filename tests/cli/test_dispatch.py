@@ -174,8 +174,22 @@ def test_help_loads_no_engine() -> None:
     assert done.stderr.strip() == "[]"
 
 
-def test_a_graphics_library_that_cannot_be_had_stops_no_command() -> None:
-    words = [sys.executable, "-m", "gaitsmith", "robots", "list"]
-    environment = {**os.environ, "MUJOCO_GL": "no such library"}
+def test_no_variable_of_a_library_stops_a_command() -> None:
+    code = (
+        "import sys; from gaitsmith.cli import main; code = main(['robots', 'list']); import matplotlib.figure, mujoco;"
+        "from numba.core import config; sys.exit(code or config.DISABLE_JIT)"
+    )
+    environment = {**os.environ, "MUJOCO_GL": "no such library", "MPLBACKEND": "no such backend"}
+    environment |= {"NUMBA_NUM_THREADS": "0", "NUMBA_DISABLE_JIT": "1", "NUMBA_OPT": "no such level"}
+    environment |= {"PYTHONPATH": os.pathsep.join(sys.path)}
+    words = [sys.executable, "-c", code]
     done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_cache_folder_in_nobodys_home_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("GAITSMITH_CACHE_DIR", "~no-such-user/cache")
+    assert main(["robots", "list"]) == 2
+    assert capsys.readouterr().err.startswith("gaitsmith: GAITSMITH_CACHE_DIR: got '~no-such-user/cache', expected")

@@ -1,10 +1,12 @@
 """Ctrl-C is one line and code 130, whenever and however often it comes."""
 
 import contextlib
+import ctypes
 import os
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -76,3 +78,14 @@ def test_a_signal_that_a_library_swallows_is_heard_all_the_same() -> None:
     with Interrupts():
         stop_if_heard()
     signal.signal(signal.SIGTERM, before)
+
+
+def test_a_wish_that_a_compilers_callback_swallows_is_raised_again_and_shows_nothing(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    callback = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
+    with Interrupts() as interrupts, pytest.raises(KeyboardInterrupt):  # noqa: PT012
+        callback()
+        assert interrupts.seen
+        time.sleep(10.0)
+    assert capsys.readouterr().err == ""

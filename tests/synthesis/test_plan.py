@@ -67,7 +67,9 @@ def test_the_papers_quartic_solves_and_its_torque_jumps(planner, robot, dynamic)
     assert verdict.torque_jump > 100.0 * verify(dynamic.gait, robot).torque_jump
 
 
-def test_a_budget_that_is_spent_decides_nothing(planner):
+def test_a_budget_that_is_spent_decides_nothing_whatever_the_working_folder_holds(planner, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ipopt.opt").write_text("max_iter 2\n")
     found = planner.plan(cyclic(planner.biped, StepParameters(0.15, 1.0)), Settings(max_iterations=6))
     assert found.status == "not decided"
     assert found.gait is None

@@ -5,6 +5,7 @@ import struct
 from pathlib import Path
 from types import SimpleNamespace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -120,6 +121,15 @@ def test_names_are_text_never_markup(walk: Recording, tmp_path: Path) -> None:
     made = draw_torques(marked)
     save(made, tmp_path / "torques.png")
     assert any("$\\frac$" in axes.get_title(loc="left") for axes in made.axes)
+
+
+def test_a_users_own_style_changes_no_figure(walk: Recording) -> None:
+    own = draw_speed(walk)
+    with mpl.rc_context({"axes.facecolor": "black", "axes.labelsize": 40.0}):
+        styled = draw_speed(walk)
+    for one, other in zip(own.axes, styled.axes, strict=True):
+        assert one.get_facecolor() == other.get_facecolor()
+        assert one.yaxis.label.get_size() == other.yaxis.label.get_size()
 
 
 def test_stages_are_where_the_command_changes(walk: Recording) -> None:

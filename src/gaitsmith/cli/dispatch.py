@@ -24,6 +24,7 @@ from importlib import import_module
 from typing import Any, NamedTuple, TextIO
 
 import gaitsmith
+from gaitsmith.cache_folder import cache_root
 from gaitsmith.cli.interrupts import Interrupts
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import reason
@@ -117,13 +118,23 @@ COMMANDS: dict[tuple[str, ...], Command] = {
 
 def run(words: list[str], interrupts: Interrupts) -> int:
     """Run one command line, and turn its end into an exit code and what is printed."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    os.environ["MUJOCO_GL"] = "off"  # pictures ask for their library by name; a value that it dislikes stops its import
+    _settle_libraries()
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of fonts on stderr
     wants_json = "--json" in words and not {"-h", "--help"} & set(words)
     with _streams() as out, warnings.catch_warnings():
         warnings.showwarning = _warned
         return _guarded(words, wants_json, out, interrupts)
+
+
+def _settle_libraries() -> None:
+    """Variables that libraries read when they are imported: a value that one dislikes stops its import.
+
+    Pictures ask for their graphics library by name and need no window; kernels are compiled with settings of their own.
+    """
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ |= {"MUJOCO_GL": "off", "MPLBACKEND": "agg"}
+    for name in [name for name in os.environ if name.startswith("NUMBA_")]:
+        del os.environ[name]
 
 
 @contextlib.contextmanager
@@ -188,6 +199,7 @@ def _run(words: list[str]) -> Outcome:
     for depth in (1, 2):
         command = COMMANDS.get(tuple(words[:depth]))
         if command is not None:
+            _check_cache_folder()
             run = getattr(import_module(command.module), command.function)
             outcome: Outcome = run(words[depth:], " ".join(["gaitsmith", *words[:depth]]))
             return outcome
@@ -201,6 +213,15 @@ def _run(words: list[str]) -> Outcome:
     valid = ", ".join(dict.fromkeys(path[1] if group else path[0] for path in members))
     field = f"gaitsmith {group}: command" if group else "command"
     raise BadInput(field, rest[0], f"one of {valid}", f"see gaitsmith {group or ''} --help")
+
+
+def _check_cache_folder() -> None:
+    """Refuse a folder in the home of a user who has none."""
+    try:
+        cache_root()
+    except RuntimeError:
+        chosen = os.environ.get("GAITSMITH_CACHE_DIR")
+        raise BadInput("GAITSMITH_CACHE_DIR", chosen, "a folder", "this user has no home: set it") from None
 
 
 def _help(group: str | None, members: list[tuple[str, ...]]) -> str:

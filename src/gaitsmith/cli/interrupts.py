@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
 
 from gaitsmith.files import ENDING
 
 _heard = threading.Event()
+_LATER = 0.1  # s until a wish that a callback swallowed is raised again
 _SAME = 2.0  # s within which Ctrl-C pressed again, or passed on by a wrapper, is the same wish
 
 
@@ -26,6 +28,7 @@ class Interrupts:
         self._ending = ending
         self._last = -_SAME
         self._before: dict[int, object] = {}
+        self._again: threading.Timer | None = None
 
     def __enter__(self) -> Interrupts:
         _heard.clear()
@@ -33,11 +36,25 @@ class Interrupts:
             for number in ENDING:
                 if signal.getsignal(number) in (signal.default_int_handler, signal.SIG_DFL):
                     self._before[number] = signal.signal(number, self._note)
+        sys.unraisablehook, self._hook = self._swallowed, sys.unraisablehook
         return self
 
     def __exit__(self, *_: object) -> None:
+        sys.unraisablehook = self._hook
+        if self._again is not None:
+            self._again.cancel()
         for number, before in self._before.items():
             signal.signal(number, signal.SIG_IGN if self._ending else before)  # type: ignore[arg-type]
+
+    def _swallowed(self, lost: sys.UnraisableHookArgs) -> None:
+        """An exception that a compiler's callback could not pass on: a wish to end is raised again, a little later."""
+        if not (self._before and self.seen and issubclass(lost.exc_type, KeyboardInterrupt)):
+            self._hook(lost)
+        elif not self.over:
+            self._last = -_SAME
+            self._again = threading.Timer(_LATER, signal.raise_signal, (next(iter(self._before)),))
+            self._again.daemon = True
+            self._again.start()
 
     def _note(self, *_: object) -> None:
         now, before = time.monotonic(), self._last

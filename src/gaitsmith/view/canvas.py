@@ -33,7 +33,9 @@ _POINTS = 2000  # samples drawn per curve: more than the pixels across
 BAD = "#C1121F"  # falls, limits that are hit
 PUSH = "#CC79A7"
 
-STYLE: dict[Any, Any] = {
+# Begins with the library's own defaults: a file matplotlibrc in the working folder changes no figure.
+_OWN = {name: value for name, value in mpl.rcParamsDefault.items() if not name.startswith(("backend", "interactive"))}
+STYLE: dict[Any, Any] = _OWN | {
     "font.size": 11.0,
     "axes.titlesize": 12.0,
     "axes.titleweight": "bold",

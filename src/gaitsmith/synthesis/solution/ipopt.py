@@ -166,6 +166,7 @@ def solve_ipopt(
         "slack_bound_push": 0.1,
         "slack_bound_frac": 0.1,
         "linear_solver": "mumps",
+        "option_file_name": "",  # or a file ipopt.opt in the working folder would change every plan
         # The rows are scaled already; MUMPS's own scaling takes as long as its factorisation.
         "mumps_scaling": 0,
         "mumps_permuting_scaling": 0,
