@@ -172,3 +172,18 @@ def test_grids_outside_the_card_s_limits_are_skipped(tmp_path, monkeypatch):
     result = push_grids(PushOptions(out=str(tmp_path)))
     assert result.rows == (("15 N·s, T 0.4 s, H 0.9 m, in place", "", "", "", "skipped"),)
     assert "height 0.9" in result.notes[0]
+
+
+@pytest.mark.parametrize("largest", [False, True])
+def test_one_grid_pushes_a_gait_file_as_it_is(tmp_path, monkeypatch, largest):
+    from gaitsmith.experiments import pushing
+
+    seen = []
+    monkeypatch.setattr("gaitsmith.experiments.sets.completed", lambda fields: dict(fields) | {"duration": 20.0})
+    monkeypatch.setattr(pushing, "why_unfit", lambda *_: "")
+    monkeypatch.setattr(pushing, "_run_grids", lambda grids, *_: seen.extend(grids) or ([], [], False))
+    monkeypatch.setattr(pushing, "search_largest", lambda grids, *_: seen.extend(grids) or ([], False))
+    options = PushOptions(gait="gait.json", impulse=3.0, largest=largest, out=str(tmp_path))
+    assert push_grids(options).document["set"] == "planned"
+    ((impulse, base),) = [(grid.impulse, grid.base) for grid in seen]
+    assert (impulse, base.gait, base.speed, base.height, base.period) == (3.0, ("gait.json",), None, None, None)

@@ -103,3 +103,14 @@ def test_a_set_that_cannot_be_used_is_refused_by_name(tmp_path, text, field):
     with pytest.raises(BadInput) as caught:
         load_set(str(path))
     assert field in caught.value.field
+
+
+def test_with_a_gait_file_the_set_for_them_is_taken_and_one_that_commands_is_refused(monkeypatch):
+    monkeypatch.setattr("gaitsmith.experiments.sets.completed", lambda fields: dict(fields) | {"duration": 20.0})
+    found = load_set(None, gait="gait.json")
+    assert (found.name, load_set(None).name) == ("planned", "walks")
+    episodes = [scenario for trial in found.trials for scenario in trial.scenarios]
+    assert {scenario.gait for scenario in episodes + [grid.base for grid in found.grids]} == {("gait.json",)}
+    for name in TEMPLATE_SETS:
+        with pytest.raises(BadInput, match="the gait decides"):
+            load_set(name, gait="gait.json")

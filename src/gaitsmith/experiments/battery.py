@@ -39,7 +39,7 @@ def run_battery(options: BatteryOptions, progress: Progress = silent) -> Result:
     document = {
         "robot": loaded.card.name,
         "preset": options.preset,
-        "set": options.set,
+        "set": chosen.name,
         "identity": loop_identity(loaded),
         "trials": [outcome.document() for outcome in outcomes],
         "verdicts": dict(counts),

@@ -13,7 +13,14 @@ Preset = Annotated[str, About("Control parameters of the card", metavar="NAME")]
 Jobs = Annotated[int, Field(ge=1, le=256), About("Processes", metavar="N")]
 Where = Annotated[Literal["local", "ray"], About("Where it runs: processes of this machine, or a Ray cluster")]
 Address = Annotated[str | None, About("Of the Ray cluster's head", metavar="HOST:PORT", absent="none")]
-_Set = Annotated[str, About("Set of trials and grids of the package, or a TOML file", metavar="NAME_OR_FILE")]
+_Set = Annotated[
+    str | None,
+    About(
+        "Set of trials and grids of the package, or a TOML file",
+        metavar="NAME_OR_FILE",
+        absent="planned with a gait, else walks",
+    ),
+]
 _Robot = Annotated[
     str | None, About("A robot of the package, or the path of a card", metavar="NAME_OR_PATH", absent="the set's")
 ]
@@ -36,7 +43,7 @@ class PushOptions(Frozen):
     Without a walk or an impulse of its own it runs the grids of a set; with one of them it runs that single grid.
     """
 
-    set: _Set = "walks"
+    set: _Set = None
     robot: _Robot = None
     preset: Preset = "default"
     gait: _Gait = None
@@ -68,7 +75,7 @@ class PushOptions(Frozen):
 class BatteryOptions(Frozen):
     """Run the trials of a set: speeds, heights, slopes, boxes, noise, each against its target."""
 
-    set: _Set = "walks"
+    set: _Set = None
     robot: _Robot = None
     preset: Preset = "default"
     gait: _Gait = None

@@ -27,9 +27,9 @@ def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
     """Push the walking robot; see :class:`gaitsmith.experiments.PushGrid`.
 
     Without ``impulse``, ``strength``, ``speed``, ``height`` and ``period`` all grids of the set are run; those whose
-    walk the robot's card does not allow are skipped. With one of them a single grid is run, of a strength of 0.15,
-    in place, at the card's height and period where not given. ``push.json`` or ``push_largest.json`` is written to the
-    folder of results too.
+    walk the robot's card does not allow are skipped. With one of them a single grid is run, of a strength of 0.15, of
+    the gait file, or else in place, at the card's height and period where not given. ``push.json`` or
+    ``push_largest.json`` is written to the folder of results too.
 
     Raises:
         BadInput: an option, the robot, or the folder cannot be used.
@@ -71,7 +71,7 @@ def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
     names = {grid: grid.gait_name if options.largest else grid.name for grid in skipped}
     rows += [(name, *[""] * (len(columns) - 2), "skipped") for name in names.values()]
     notes += [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
-    head = {"robot": loaded.card.name, "preset": options.preset, "engine": options.engine, "set": options.set}
+    head = {"robot": loaded.card.name, "preset": options.preset, "engine": options.engine, "set": chosen.name}
     document = {
         **head,
         "identity": loop_identity(loaded),

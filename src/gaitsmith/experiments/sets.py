@@ -15,6 +15,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.experiments.limits import QUANTITIES, Limit
 from gaitsmith.experiments.push_grid import PushGrid, momentum_unit
 from gaitsmith.robots import Robot, load_robot
+from gaitsmith.robots.parameters import GAIT_INPUTS
 from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
@@ -136,12 +137,13 @@ def set_names() -> tuple[str, ...]:
 
 
 def load_set(
-    name: str, robot: str | None = None, preset: str = "default", gait: str | None = None, engine: str = "mujoco"
+    name: str | None, robot: str | None = None, preset: str = "default", gait: str | None = None, engine: str = "mujoco"
 ) -> TrialSet:
     """A set, scaled to a robot.
 
     Args:
-        name: of a set that comes with the package, or path of a TOML file.
+        name: of a set that comes with the package, or path of a TOML file; None for ``planned`` with a gait, else
+            ``walks``.
         robot: name or path; the set's own if None.
         preset: control parameters, for the trials that do not name their own.
         gait: planned gait that every trial walks; None for the template.
@@ -149,6 +151,7 @@ def load_set(
     Raises:
         BadInput: the set, the robot or the preset cannot be used.
     """
+    name = name or ("planned" if gait else "walks")
     document = _read(name)
     robot = robot or document.robot
     loaded = load_robot(robot)
@@ -156,6 +159,9 @@ def load_set(
         raise BadInput("--preset", preset, "one of " + ", ".join(sorted(loaded.card.presets)))
     base: dict[str, Any] = {"robot": robot, "preset": preset, "engine": engine}
     if gait:
+        wanted = [_asked(entry) | entry.draw for entry in document.trials] + [grid.scenario for grid in document.grids]
+        if any(fields.keys() & {*GAIT_INPUTS, "changes"} for fields in wanted):
+            raise BadInput("--set", name, "a set without speeds, heights or periods: the gait decides", "leave it out")
         base = completed(base | {"gait": [gait]})
     scale, heavier = 1.0, 1.0
     if document.reference is not None:
@@ -212,10 +218,15 @@ def _merged(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
     return {**base, **top, "scenario": {**base.get("scenario", {}), **top.get("scenario", {})}}
 
 
+def _asked(entry: TrialEntry) -> dict[str, Any]:
+    """Scenario fields of a trial over those of the file that it begins with."""
+    start = load_scenario(entry.base).model_dump(mode="json", exclude_unset=True) if entry.base else {}
+    return {**start, **entry.scenario}
+
+
 def _trial(entry: TrialEntry, base: dict[str, Any], scale: float) -> Trial:
     """A trial with its scenarios made."""
-    start = load_scenario(entry.base).model_dump(mode="json", exclude_unset=True) if entry.base else {}
-    fields = {"rest_before": 1.0, **base, **_scaled({**start, **entry.scenario}, scale)}
+    fields = {"rest_before": 1.0, **base, **_scaled(_asked(entry), scale)}
     for quantity in (*entry.limits, *entry.report):
         if quantity not in QUANTITIES:
             raise BadInput(f"{entry.name}: limits", quantity, "one of " + ", ".join(QUANTITIES))
