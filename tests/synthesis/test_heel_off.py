@@ -9,7 +9,10 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.planned.evaluate import make_plan_sample
 from gaitsmith.planned.table import COM
-from gaitsmith.synthesis import Planner
+from gaitsmith.simulation import run_episode
+from gaitsmith.simulation.planned_run import completed
+from gaitsmith.simulation.scenario import make_scenario
+from gaitsmith.synthesis import Planner, write_gait
 from gaitsmith.synthesis.files.gait_file import claims_hash, gait_document, gait_of, require_robot
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.full_state import StateFinder
@@ -151,6 +154,15 @@ def test_the_foot_that_lands_becomes_the_support_once_it_has_a_place(gait, robot
     switch = next(k for k in range(first, len(rows)) if table.support[rows[k]] == left)
     before, after = table.motion[rows[switch - 1]], table.motion[rows[switch]]
     np.testing.assert_allclose((ends @ before)[COM : COM + 3], (signs @ after)[COM : COM + 3] + step, atol=1e-7)
+
+
+def test_it_is_walked(gait, robot, tmp_path):
+    write_gait(tmp_path / "gait.json", gait)
+    scenario = make_scenario(completed({"gait": [str(tmp_path / "gait.json")], "duration": 3.3, "cycles": 4}))
+    summary = run_episode(scenario, robot=robot, record=False).summary
+    assert not summary.fell
+    assert summary.tracking.distance == pytest.approx(summary.tracking.planned_distance, rel=0.05)
+    assert max(summary.tracking.tilt_deg.values()) < 4.0
 
 
 def test_a_phase_says_what_its_support_does():
