@@ -183,6 +183,8 @@ def _guarded(words: list[str], wants_json: bool, out: TextIO, interrupts: Interr
 
 def _explained(error: Exception, document: TextIO | None) -> int:
     """One line for an error, and its exit code."""
+    if isinstance(error, FileNotFoundError) and not _working_folder():
+        error = BadInput("working folder", None, "a folder that has not been removed", "change to another one")
     if isinstance(error, BadInput):
         details = {name: getattr(error, name) for name in ("field", "valid", "remedy", "value")}
         return _failed(BAD_INPUT, str(error), document, kind="bad input", **details)
@@ -192,6 +194,14 @@ def _explained(error: Exception, document: TextIO | None) -> int:
         traceback.print_exception(error)
     text = f"internal error: {type(error).__name__}: {error}; set GAITSMITH_DEBUG=1 to see where"
     return _failed(INTERNAL, text, document, kind="internal error")
+
+
+def _working_folder() -> str:
+    """Path of the working folder; empty if somebody removed it."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
 
 
 def _run(words: list[str]) -> Outcome:
