@@ -39,7 +39,7 @@ def test_the_step_is_daqps(seed):
     step, multipliers = _oracle(H, gradient, rows, low, high)
     rng = np.random.default_rng(seed + 100)
     for guess in (multipliers, multipliers * (rng.random(len(low)) < 0.8), np.zeros(len(low))):
-        found = active_set_step(sp.csr_matrix(H), gradient, sp.csr_matrix(rows), low, high, guess)
+        found = active_set_step(H, gradient, sp.csr_matrix(rows), low, high, guess)
         assert found is not None
         assert np.abs(found.step - step).max() < SAME * max(1.0, np.abs(step).max())
 
@@ -47,7 +47,7 @@ def test_the_step_is_daqps(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_optimality_holds(seed):
     H, gradient, rows, low, high = _problem(seed)
-    found = active_set_step(sp.csr_matrix(H), gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low)))
+    found = active_set_step(H, gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low)))
     change = rows @ found.step
     assert (change <= high + SAME).all()
     assert (change >= low - SAME).all()
@@ -58,15 +58,32 @@ def test_optimality_holds(seed):
     assert set(np.flatnonzero(found.multipliers)) <= set(found.held)
 
 
-def test_a_curvature_that_goes_down_is_left_to_others():
+def test_where_the_curvature_goes_down_the_step_still_keeps_the_bounds():
     H, gradient, rows, low, high = _problem(0)
-    # Along what the equalities leave free the objective falls for ever: no minimum among the held rows alone.
-    assert active_set_step(sp.csr_matrix(-H), gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low))) is None
+    found = active_set_step(-H, gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low)))
+    assert found is not None
+    assert found.curved
+    assert (rows @ found.step <= high + SAME).all()
+    assert (rows @ found.step >= low - SAME).all()
+
+
+def test_bounds_that_nothing_keeps_give_no_step():
+    H, gradient, rows, low, high = _problem(2)
+    rows[-1], low[-1], high[-1] = rows[-2], high[-2] + 1.0, high[-2] + 2.0
+    assert active_set_step(H, gradient, sp.csr_matrix(rows), low, high, np.zeros(len(low))) is None
+
+
+def test_a_row_that_equalities_determine_is_not_a_bound():
+    H, gradient, rows, low, high = _problem(3)
+    step, _ = _oracle(H, gradient, rows, low, high)
+    more = np.vstack([rows, rows[:1]]), np.append(low, low[0] - 1e-9), np.append(high, high[0] - 1e-9 + 1e-10)
+    found = active_set_step(H, gradient, sp.csr_matrix(more[0]), *more[1:], np.zeros(len(low) + 1))
+    assert np.abs(found.step - step).max() < SAME * max(1.0, np.abs(step).max())
 
 
 def test_equal_rows_given_twice_do_no_harm():
     H, gradient, rows, low, high = _problem(1)
     step, _ = _oracle(H, gradient, rows, low, high)
     twice = [np.concatenate([values[:3], values]) for values in (rows, low, high)]
-    found = active_set_step(sp.csr_matrix(H), gradient, sp.csr_matrix(twice[0]), *twice[1:], np.zeros(len(low) + 3))
+    found = active_set_step(H, gradient, sp.csr_matrix(twice[0]), *twice[1:], np.zeros(len(low) + 3))
     assert np.abs(found.step - step).max() < SAME * max(1.0, np.abs(step).max())

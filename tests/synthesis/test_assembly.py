@@ -47,7 +47,7 @@ def test_the_hessian_is_the_slope_of_the_lagrangians_gradient(program):
     slope = (gradient(x + STEP * direction) - gradient(x - STEP * direction)) / (2.0 * STEP)
     found = _symmetric(Caller(assembly.hessian), x, np.zeros(0), 1.0, multipliers)
     assert np.abs(found @ direction - slope).max() < SLOPE * np.abs(slope).max()
-    whole = derivatives.curvature(x, 1.0, multipliers, 0.0).toarray()
+    whole = derivatives.curvature(x, 1.0, multipliers, 0.0)
     assert np.abs(whole - found).max() < ROUNDING * np.abs(found).max()
 
 
@@ -63,6 +63,6 @@ def test_both_ways_to_the_first_derivatives_say_the_same(program):
 
 def test_the_convex_hessian_is_never_negative(program):
     x = 0.1 * np.random.default_rng(4).normal(size=program.size)
-    values = np.linalg.eigvalsh(Derivatives(program).curvature(x, 0.0, 0.0, 0.0).toarray())
+    values = np.linalg.eigvalsh(Derivatives(program).curvature(x, 0.0, 0.0, 0.0))
     assert values.max() > 0.0
     assert values.min() > -ROUNDING * values.max()

@@ -10,7 +10,7 @@ from gaitsmith.synthesis.program import bounds as planners
 from gaitsmith.synthesis.program import transcription
 from gaitsmith.synthesis.proof import definitions as verifiers
 from gaitsmith.synthesis.proof import measured
-from gaitsmith.synthesis.solution.bound_check import check_bounds
+from gaitsmith.synthesis.solution.bound_check import Tables, check_bounds
 from gaitsmith.synthesis.solution.certificate import certificate
 
 SPARSE = 40  # instants a phase
@@ -24,7 +24,7 @@ def certified(planner, gait, x, monkeypatch=None, change=None):
         monkeypatch.setattr(transcription, "phase_bounds", changed)
     settings = Settings().sized(planner.biped, 0.5)
     trans = transcription.Transcription(planner.biped, gait.motion, settings)
-    found = certificate(trans, check_bounds(trans, planner.functions, x, settings.dense))
+    found = certificate(trans, check_bounds(trans, planner.functions, x, settings.dense, Tables(trans)))
     rates = [row for row in gait.certificate["worst"] if row["constraint"].endswith("torque rate")]
     rows = sorted([*(item.as_dict() for item in found), *rates], key=lambda row: -row["violation"])
     return replace(gait, certificate=gait.certificate | {"worst": rows})

@@ -77,6 +77,13 @@ def chebyshev_fit(count: int) -> tuple[Array, Array]:
     return (nodes + 1.0) / 2.0, np.asarray(matrix, dtype=np.float64)
 
 
+def chebyshev_slopes(to_series: Array, at: Array) -> Array:
+    """(count, N) from values at the nodes of :func:`chebyshev_fit` to their series' slopes at ``at``, from -1 to 1."""
+    count = to_series.shape[1]
+    slopes = np.polynomial.chebyshev.chebder(np.eye(count))
+    return np.asarray(to_series @ slopes.T @ np.polynomial.chebyshev.chebvander(at, count - 2).T)
+
+
 def chebyshev(coefficients: Array, s: npt.ArrayLike) -> Array:
     """(n, ...) values of Chebyshev series (n, m) at normalised times."""
     return np.asarray(np.polynomial.chebyshev.chebval(2.0 * np.asarray(s) - 1.0, coefficients.T))

@@ -47,7 +47,7 @@ def cone_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             for bound in trans.bounds[index]:
                 if bound.kind is Kind.YAW_MOMENT and set(bound.out) == {layout.twist + 1, layout.load + 1}:
                     time = float(points.time[point])
-                    rows.add_bound(bound, bound_label(bound, index, time), point, 0.0, _SPARE)
+                    rows.add_bound(bound, index, time, point, 0.0, _SPARE)
 
 
 def _first_load(rows: Rows, trans: Transcription, points: Points, index: int) -> None:
@@ -58,4 +58,4 @@ def _first_load(rows: Rows, trans: Transcription, points: Points, index: int) ->
         if bound.load == 0:
             scale = SOON**-bound.power
             out = {k: scale * value for k, value in bound.out.items()}
-            rows.add_bound(replace(bound, out=out), bound_label(bound, index, time), point, SOON, _EARLY)
+            rows.add_bound(replace(bound, out=out), index, time, point, SOON, _EARLY)

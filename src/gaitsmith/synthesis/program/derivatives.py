@@ -1,48 +1,39 @@
-"""A program's derivatives as SciPy's matrices, at once: for the few steps from a warm start.
+"""A program's derivatives at once, from small dense blocks of every point.
 
-CasADi's functions of a whole program (:mod:`gaitsmith.synthesis.program.assembly`) are faster to call and take
-longer to make.
+CasADi's functions of a whole program (:mod:`gaitsmith.synthesis.program.assembly`) take longer to make.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.program import Program
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
 
 
-class _Blocks:
-    """Equal blocks along the diagonal, from the nonzeros of every point.
+@dataclass(frozen=True, eq=False)
+class _RateGroup:
+    """Rows of torque rates: ``matrix`` (r, o) of the outputs ``outs`` (o,) of all points.
 
-    Args:
-        functions: of a point.
-        kind: of function whose last output the blocks are.
-        count: of points.
+    These depend on ``unknowns`` (U,), each by its point's at ``slots`` (o, W).
     """
 
-    def __init__(self, functions: PointFunctions, kind: str, count: int) -> None:
-        pattern = functions.pattern(kind)
-        rows, columns = (np.array(places) for places in pattern.get_triplet())
-        self._order = np.lexsort((columns, rows))
-        height, width = pattern.size1(), pattern.size2()
-        ends = np.cumsum(np.bincount(rows, minlength=height))
-        points = np.arange(count)[:, None]
-        self._columns = (columns[self._order] + width * points).ravel()
-        self._starts = np.concatenate([[0], (ends + len(rows) * points).ravel()])
-        self._shape = height * count, width * count
-
-    def matrix(self, values: Array) -> sp.csr_matrix:
-        """The matrix for nonzeros (K, nonzeros), column by column of each block."""
-        return sp.csr_matrix((values[:, self._order].ravel(), self._columns, self._starts), shape=self._shape)
+    matrix: Array
+    outs: Indices
+    unknowns: Indices
+    slots: Indices
 
 
 class Derivatives:
     """Gradient, rows, Jacobian and Hessian of a program; the objective is scaled.
+
+    A point depends on few unknowns: its maps are kept as small dense blocks, padded to the same width W.
 
     Args:
         program: the program.
@@ -50,22 +41,66 @@ class Derivatives:
 
     def __init__(self, program: Program) -> None:
         self.program = program
-        functions, count = program.functions, program.points.count
-        self._slopes, self._curves = (_Blocks(functions, kind, count) for kind in ("jacobian", "hessian"))
+        functions, count, size = program.functions, program.points.count, program.size
+        layout = functions.layout
+        self._places = {kind: functions.pattern(kind).get_triplet() for kind in ("jacobian", "hessian")}
         weight = program.points.weight * program.scale
-        self._torque = np.zeros((count, functions.layout.outputs))
-        self._torque[:, : functions.layout.joints] = 2.0 * weight[:, None] * float(program.torque_weight.min())
+        self._torque = np.zeros((count, layout.outputs))
+        self._torque[:, : layout.joints] = 2.0 * weight[:, None] * float(program.torque_weight.min())
         self._weight = weight * float(program.torque_weight.min())
-        self._effort = 2.0 * np.outer(weight, program.effort).ravel()
-        self._back = sp.csr_matrix(program.inputs.T)
-        self._constant = self._back @ sp.diags(self._effort) @ program.inputs
-        self._x = np.full(program.size, np.nan)
+        self._effort = 2.0 * np.outer(weight, program.effort)
+        self._local = self._blocks(program.inputs.tocoo())
+        width = self._local.shape[2]
+        # Padded columns meet zeros: they go to the last unknown.
+        ends = np.arange(count * layout.outputs + 1) * width
+        columns = np.repeat(np.minimum(self._columns, size - 1), layout.outputs, axis=0).ravel()
+        self._moved = sp.csr_matrix((np.zeros(len(columns)), columns, ends), shape=(count * layout.outputs, size))
+        self._pairs = (self._columns[:, :, None] * (size + 1) + self._columns[:, None, :]).ravel()
+        self._groups = self._rate_groups()
+        self._x = np.full(size, np.nan)
+
+    def _rate_groups(self) -> list[_RateGroup]:
+        """The rows of the torque rates, those that the same points take part in together."""
+        smooth, outputs = self.program.smooth, self.program.functions.layout.outputs
+        if not smooth.nnz:
+            return []
+        point = smooth.indices // outputs
+        used = np.flatnonzero(np.diff(smooth.indptr))
+        starts = smooth.indptr[used]
+        ends = np.minimum.reduceat(point, starts), np.maximum.reduceat(point, starts)
+        pairs, group = np.unique(ends[0] * self.program.points.count + ends[1], return_inverse=True)
+        found = []
+        for k in range(len(pairs)):
+            rows = smooth[used[group == k]]
+            outs, columns = np.unique(rows.indices, return_inverse=True)
+            matrix = np.zeros((rows.shape[0], len(outs)))
+            matrix[np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr)), columns] = rows.data
+            points, place = np.unique(outs // outputs, return_inverse=True)
+            unknowns = np.unique(self._columns[points])
+            slots = np.searchsorted(unknowns, self._columns[points])
+            found.append(_RateGroup(matrix, outs, unknowns, slots[place]))
+        return found
+
+    def _blocks(self, inputs: sp.coo_matrix) -> Array:
+        """(K, inputs, W) of the map to the points' inputs; ``_columns`` (K, W): unknowns, ``size`` where none."""
+        count, size = self.program.points.count, self.program.size
+        height = self.program.functions.layout.inputs
+        point = inputs.row // height
+        pairs, where = np.unique(point * size + inputs.col, return_inverse=True)
+        starts = np.searchsorted(pairs, np.arange(count) * size)
+        slot = np.arange(len(pairs)) - starts[pairs // size]
+        self._columns = np.full((count, int(slot.max()) + 1), size)
+        self._columns[pairs // size, slot] = pairs % size
+        found = np.zeros((count, height, self._columns.shape[1]))
+        np.add.at(found, (point, inputs.row % height, slot[where]), inputs.data)
+        return found
 
     def first_order(self, x: Array) -> tuple[Array, Array, sp.csr_matrix]:
         """Gradient of the objective (n,), rows (rows,) and the rows' Jacobian (rows, n)."""
         self._see(x)
         program, o = self.program, self._o.ravel()
-        gradient = self._moved.T @ self._on_outputs() + self._back @ (self._effort * self._z.ravel()) + program.price
+        gradient = self._moved.T @ self._on_outputs() + program.price
+        gradient += program.inputs.T @ (self._effort * self._z).ravel()
         rows = program.outputs @ o + program.linear @ x
         return gradient, rows, sp.csr_matrix(program.outputs @ self._moved + program.linear)
 
@@ -74,19 +109,30 @@ class Derivatives:
         self._see(x)
         return self._z.T, self._o.T
 
-    def curvature(self, x: Array, share: float, multipliers: Array | float, ridge: float) -> sp.csc_matrix:
+    def curvature(self, x: Array, share: float, multipliers: Array | float, ridge: float) -> Array:
         """The Hessian (n, n) with a share of the torques' curvature, and a ridge.
 
         Without both, the share and the multipliers, it is never negative.
         """
         self._see(x)
-        program = self.program
+        program, size = self.program, self.program.size
         on = share * self._on_outputs() + program.outputs.T @ np.broadcast_to(multipliers, program.rows)
         values = self._called("hessian", on.reshape(self._o.shape).T, self._weight[None])[0]
-        rates = program.smooth @ self._moved
-        found = self._back @ (self._curves.matrix(values) @ program.inputs) + self._constant
-        found = found + 2.0 * program.scale * (rates.T @ rates)
-        return sp.csc_matrix(found + ridge * sp.eye_array(program.size))
+        curved = self._dense("hessian", values)
+        axis = np.arange(curved.shape[1])
+        curved[:, axis, axis] += self._effort
+        blocks = self._local.transpose(0, 2, 1) @ (curved @ self._local)
+        found = np.asarray(np.bincount(self._pairs, blocks.ravel(), (size + 1) ** 2), dtype=np.float64)
+        found = found.reshape(size + 1, size + 1)
+        moved = self._moved.data.reshape(-1, self._local.shape[2])
+        for item in self._groups:
+            torque = np.zeros((len(item.outs), len(item.unknowns)))
+            torque[np.arange(len(item.outs))[:, None], item.slots] = moved[item.outs]
+            rates = item.matrix @ torque
+            found[np.ix_(item.unknowns, item.unknowns)] += (2.0 * program.scale) * (rates.T @ rates)
+        found = found[:size, :size]
+        found[np.diag_indices(size)] += ridge
+        return np.asarray(found)
 
     def _see(self, x: Array) -> None:
         """Inputs, outputs and their slopes by the unknowns, unless they are there."""
@@ -95,7 +141,15 @@ class Derivatives:
         self._x = x.copy()
         self._z = (self.program.inputs @ x).reshape(self.program.points.count, -1)
         self._o, values = self._called("jacobian")
-        self._moved = sp.csr_matrix(self._slopes.matrix(values) @ self.program.inputs)
+        self._moved.data = (self._dense("jacobian", values) @ self._local).ravel()
+
+    def _dense(self, kind: str, values: Array) -> Array:
+        """(K, height, width) of a function's last output at every point, from its nonzeros."""
+        rows, columns = self._places[kind]
+        pattern = self.program.functions.pattern(kind)
+        found = np.zeros((len(values), pattern.size1(), pattern.size2()))
+        found[:, rows, columns] = values
+        return found
 
     def _on_outputs(self) -> Array:
         """D objective / d outputs, point by point."""

@@ -14,11 +14,12 @@ from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, p
 from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.cones import cone_rows, is_cone
 from gaitsmith.synthesis.program.rates import is_rate, rate_form, rate_label
-from gaitsmith.synthesis.program.rows import Label, Rows, bound_label
+from gaitsmith.synthesis.program.rows import BoundRow, Entries, Label, Rows, bound_row, stacked, tightened
 from gaitsmith.synthesis.program.smoothness import torque_rates
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
+_NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0)
 _SCALE = 9.5  # of the objective in units of the robot's weight, leg and the time in which it falls over
 CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
 SELDOM = (Kind.TORQUE, *CURVED)  # imposed only where the dense grid asks for it
@@ -123,35 +124,48 @@ def make_program(
     """
     side = np.array([functions.side(phase.side) for phase in trans.motion.phases])[points.phase]
     order = np.argsort(side, kind="stable")
+    fixed, position = _fixed_rows(trans, points), np.argsort(order)
     points = Points(*(values[order] for values in vars(points).values()))
-    rows = Rows(trans.layout, trans.size)
     inputs = trans.input_map(points)
-    closure_rows(rows, trans, points)
-    passive_rows(rows, trans, points)
-    wrench_rows(rows, trans, points)
-    condition_rows(rows, trans, points)
-    cone_rows(rows, trans, points)
     if imposed is None:
         imposed = every_bound(trans, points)
-    where = points.places()
+    layout, first, where = trans.layout, len(fixed.low), points.places()
+    rows, places, rates = [], [], []
     times = np.array([item.time for item in imposed])
     shares = trans.share(np.array([item.phase for item in imposed], dtype=np.int64), times).tolist()
-    for item, share in zip(imposed, shares, strict=True):
+    for number, (item, share) in enumerate(zip(imposed, shares, strict=True)):
         if is_rate(trans, item.phase, item.bound):
+            keys, weights = rate_form(trans, item.phase, item.time)
             label = rate_label(trans, item.phase, item.bound, item.time)
-            form = rate_form(trans, where, item.phase, item.bound, item.time)
-            most = 0.5 - item.tighten
-            rows.add(label, -most, most, {index: value / label.span for index, value in form.items()})
+            torque = layout.torque + item.bound - len(trans.bounds[item.phase])
+            columns = np.array([where[key] for key in keys]) * layout.outputs + torque
+            rates.append((np.full(len(keys), first + number), columns, weights / label.span))
+            rows.append(BoundRow(-0.5, 0.5, label, _NOTHING, _NOTHING))
+            places.append(0)
             continue
-        bound = trans.bounds[item.phase][item.bound]
-        rows.add_bound(
-            bound,
-            bound_label(bound, item.phase, item.time),
-            where[item.phase, round(item.time, 9)],
-            share,
-            item.tighten,
-        )
-    c, d = rows.matrices(inputs)
+        key = item.phase, item.bound, item.time
+        row = trans.rows.get(key)
+        if row is None:
+            row = trans.rows[key] = bound_row(trans.bounds[item.phase][item.bound], item.phase, item.time, share)
+        rows.append(row)
+        places.append(where[item.phase, round(item.time, 9)])
+    low, high = tightened(
+        np.array([row.low for row in rows]),
+        np.array([row.high for row in rows]),
+        np.array([item.tighten for item in imposed]),
+    )
+    at = np.array(places, dtype=np.int64)
+    shape, (out, lin, inp) = (first + len(rows), points.count * layout.outputs), fixed.entries
+    own, on_inputs = (
+        (entries[0], position[entries[1] // width] * width + entries[1] % width, entries[2])
+        for entries, width in ((out, layout.outputs), (inp, layout.inputs))
+    )
+    c = _matrix([own, stacked([row.out for row in rows], first, at * layout.outputs), *rates], shape)
+    by_input = _matrix(
+        [on_inputs, stacked([row.inp for row in rows], first, at * layout.inputs)],
+        (shape[0], points.count * layout.inputs),
+    )
+    d = sp.csr_matrix(_matrix([lin], (shape[0], trans.size)) + by_input @ inputs)
     torque_weight = _torque_weights(trans, points)
     rates = torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time)
     return Program(
@@ -162,15 +176,34 @@ def make_program(
         inputs=inputs,
         outputs=c,
         linear=d,
-        low=np.array(rows.low),
-        high=np.array(rows.high),
-        labels=rows.labels,
+        low=np.concatenate([fixed.low, low]),
+        high=np.concatenate([fixed.high, high]),
+        labels=[*fixed.labels, *(row.label for row in rows)],
         torque_weight=torque_weight,
         effort=_efforts(trans),
         smooth=sp.csr_matrix(sp.vstack([rates, _heavier(trans, points, torque_weight)])),
         scale=_SCALE / (trans.biped.effort**2 * trans.biped.fall_time),
         price=np.zeros(trans.size),
     )
+
+
+def _fixed_rows(trans: Transcription, points: Points) -> Rows:
+    """The rows that all programs of a motion have in common, on the points in the order given; kept."""
+    if trans.fixed is None:
+        rows = Rows(trans.layout, trans.size)
+        closure_rows(rows, trans, points)
+        passive_rows(rows, trans, points)
+        wrench_rows(rows, trans, points)
+        condition_rows(rows, trans, points)
+        cone_rows(rows, trans, points)
+        trans.fixed = rows
+    return trans.fixed
+
+
+def _matrix(parts: list[Entries], shape: tuple[int, int]) -> sp.csr_matrix:
+    """Entries as a matrix in compressed rows."""
+    row, column, value = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    return sp.csr_matrix((value, (row, column)), shape=shape)
 
 
 def _torque_weights(trans: Transcription, points: Points) -> Array:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from gaitsmith.synthesis.program.bounds import Kind
-from gaitsmith.synthesis.program.quantities import Form
 from gaitsmith.synthesis.program.rows import Label
 from gaitsmith.synthesis.program.transcription import Transcription
 
+Array = npt.NDArray[np.float64]
 UNIT = "N·m/s"
 
 
@@ -35,15 +36,15 @@ def steepest(trans: Transcription, phase: int) -> float:
     return trans.motion.phases[phase].steepest(trans.settings.bounds.torque_rate)
 
 
-def rate_form(trans: Transcription, where: dict[tuple[int, float], int], phase: int, bound: int, time: float) -> Form:
-    """The rate at a time, from the torques at the points of the section around it; ``where``: of all points."""
-    local, layout = bound - len(trans.bounds[phase]), trans.layout
-    section = int(trans.instants(phase, np.array([time])).section[0])
-    nodes = trans.nodes(phase, section)
-    powers = np.arange(len(nodes))
-    span = nodes[-1] - nodes[0]
-    slope = powers[1:] * ((time - nodes[0]) / span) ** powers[:-1] / span
-    weights = np.linalg.solve(np.vander((nodes - nodes[0]) / span, increasing=True).T, np.append(0.0, slope))
-    places = [where[phase, round(float(t), 9)] for t in nodes]
-    first = layout.torque + local
-    return {k * layout.outputs + first: float(w) for k, w in zip(places, weights, strict=True)}
+def rate_form(trans: Transcription, phase: int, time: float) -> tuple[list[tuple[int, float]], Array]:
+    """The rate at a time from the torques at the points of the section around it: these, and their weights; kept."""
+    kept = trans.rates.get((phase, time))
+    if kept is None:
+        section = int(trans.instants(phase, np.array([time])).section[0])
+        nodes = trans.nodes(phase, section)
+        powers = np.arange(len(nodes))
+        span = nodes[-1] - nodes[0]
+        slope = powers[1:] * ((time - nodes[0]) / span) ** powers[:-1] / span
+        weights = np.linalg.solve(np.vander((nodes - nodes[0]) / span, increasing=True).T, np.append(0.0, slope))
+        kept = trans.rates[phase, time] = [(phase, round(float(t), 9)) for t in nodes], weights
+    return kept

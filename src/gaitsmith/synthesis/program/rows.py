@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,8 @@ from gaitsmith.synthesis.program.bounds import Kind, PhaseBound, shown
 from gaitsmith.synthesis.program.quantities import Form
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+Entries = tuple[Indices, Indices, Array]
 
 
 @dataclass(frozen=True)
@@ -86,27 +89,61 @@ class Rows:
             lin = dict(zip(matrix.indices[begin:end].tolist(), matrix.data[begin:end].tolist(), strict=True))
             self.add(label, float(values[k]), float(values[k]), lin=lin)
 
-    def add_bound(self, bound: PhaseBound, label: Label, point: int, share: float, tighten: float = 0.0) -> None:
+    def add_bound(
+        self, bound: PhaseBound, phase: int, time: float, point: int, share: float, tighten: float = 0.0
+    ) -> None:
         """Append a bound at a point, divided by its span; ``share``: normalised time; ``tighten``: part of the span."""
-        constant = bound.constant if not bound.rise else float(bound.offset(np.array(share)))
-        low, high = ((limit - constant) / bound.span for limit in (bound.low, bound.high))
-        low, high = low + tighten, high - tighten
-        if low > high:
-            low = high = 0.5 * (low + high)
-        self._append(label, low, high)
-        row, span = len(self.low) - 1, bound.span
-        sides = (bound.out, point * self.layout.outputs, 0), (bound.inp, point * self.layout.inputs, 2)
-        for form, first, which in sides:
-            if form:
-                self._entries[which].extend([(row, first + k, value / span) for k, value in form.items() if value])
+        row = bound_row(bound, phase, time, share)
+        low, high = tightened(np.array([row.low]), np.array([row.high]), np.array([tighten]))
+        out, inp = (
+            dict(zip((first + index).tolist(), value.tolist(), strict=True))
+            for (index, value), first in ((row.out, point * self.layout.outputs), (row.inp, point * self.layout.inputs))
+        )
+        self.add(row.label, float(low[0]), float(high[0]), out, inp=inp)
 
-    def matrices(self, inputs: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """C (rows, outputs * K) and D (rows, size), with the map from x to vec(Z) (inputs * K, size)."""
-        points = inputs.shape[0] // self.layout.inputs
-        found = []
-        columns = (self.layout.outputs * points, self.size, inputs.shape[0])
-        for entries, width in zip(self._entries, columns, strict=True):
-            row, index, value = np.array(entries, dtype=np.float64).reshape(-1, 3).T
-            places = row.astype(np.int64), index.astype(np.int64)
-            found.append(sp.csr_matrix((value, places), shape=(len(self.low), width)))
-        return found[0], sp.csr_matrix(found[1] + found[2] @ inputs)
+    @cached_property
+    def entries(self) -> list[Entries]:
+        """Rows, columns and values of what is linear in vec(O), in x, and in vec(Z)."""
+        arrays = [np.array(entries, dtype=np.float64).reshape(-1, 3).T for entries in self._entries]
+        return [(row.astype(np.int64), index.astype(np.int64), value) for row, index, value in arrays]
+
+
+@dataclass(frozen=True, eq=False)
+class BoundRow:
+    """A bound's row at an instant, without its point: kept from one program to the next."""
+
+    low: float
+    high: float
+    label: Label
+    out: tuple[Indices, Array]
+    inp: tuple[Indices, Array]
+
+
+def bound_row(bound: PhaseBound, phase: int, time: float, share: float) -> BoundRow:
+    """The row of a bound at a time, divided by its span; ``share``: normalised time."""
+    constant = bound.constant if not bound.rise else float(bound.offset(np.array(share)))
+    low, high = ((limit - constant) / bound.span for limit in (bound.low, bound.high))
+    out, inp = (
+        (np.array(list(form), dtype=np.int64), np.array(list(form.values()), dtype=np.float64) / bound.span)
+        for form in (bound.out, bound.inp)
+    )
+    return BoundRow(low, high, bound_label(bound, phase, time), out, inp)
+
+
+def tightened(low: Array, high: Array, tighten: Array) -> tuple[Array, Array]:
+    """Bounds drawn in by parts of their spans; where nothing is left between them, they meet half-way."""
+    low, high = low + tighten, high - tighten
+    crossed = low > high
+    middle = 0.5 * (low[crossed] + high[crossed])
+    low[crossed] = high[crossed] = middle
+    return low, high
+
+
+def stacked(parts: list[tuple[Indices, Array]], first: int, shifts: Indices) -> Entries:
+    """Entries of rows from ``first`` on, their columns shifted."""
+    lengths = [len(index) for index, _ in parts]
+    rows = np.repeat(np.arange(first, first + len(parts)), lengths)
+    if not parts:
+        return rows, rows, np.zeros(0)
+    index, value = (np.concatenate([part[k] for part in parts]) for k in range(2))
+    return rows, index + np.repeat(shifts, lengths), value

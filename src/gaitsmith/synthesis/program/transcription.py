@@ -17,6 +17,7 @@ from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.layout import layout_of
 from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds
 from gaitsmith.synthesis.program.margin import drawn_in
+from gaitsmith.synthesis.program.rows import BoundRow, Rows
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -109,6 +110,10 @@ class Transcription:
             self.flights |= dict.fromkeys(run, (first, own, size))
             size += self.layout.poses * own.size
         self.size = size
+        # What one program after another has in common.
+        self.rows: dict[tuple[int, int, float], BoundRow] = {}
+        self.rates: dict[tuple[int, float], tuple[list[tuple[int, float]], Array]] = {}
+        self.fixed: Rows | None = None
         self._maps: dict[tuple[int, int, float, int], tuple[Array, Indices, Indices]] = {}
         self.limits: list[list[PhaseBound]] = [
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))

@@ -1,30 +1,34 @@
-"""The quadratic program of an SQP step, started from a good guess of the active set.
+"""The quadratic program of an SQP step, on what its equalities leave free, from a guess of the active bounds.
 
-min ½ dᵀHd + gᵀd subject to A d = b and low <= J d <= high. The splines make H and the rows banded in time. Equalities
-and the surely active bounds are therefore held by one sparse factorisation of the optimality conditions. The few
-doubtful bounds, at which the guess proves wrong, make a small dense quadratic program on top of it. The doubtful set
-only grows, so the iteration terminates.
+min ½ dᵀHd + gᵀd subject to A d = b and low <= J d <= high. The equalities leave d = f + Z e free, A f = b and A Z = 0.
+With ZᵀHZ = L Lᵀ and y = Lᵀ(e - e*), e* the least without bounds, what is left is the shortest y within the
+bounds: DAQP's own form. It is given the bounds of the guess and those which turn out to be exceeded, no others; these
+only grow, so the iteration terminates.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import daqp
 import numpy as np
 import numpy.typing as npt
+import scipy.linalg as la
 import scipy.sparse as sp
-import scipy.sparse.linalg as sl
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
-_SOFT = 1e-10  # of a row per unit of its multiplier: rows that depend on others do not make the matrix singular
 _BEYOND = 1e-8  # of a row's range; what counts as beyond a bound
-_RIDGE = 1e-9  # relative; doubtful bounds that depend on each other
+_DEPENDENT = 1e-9  # of the largest: diagonal of R of a row that others say already
+_FLAT = 1e-6  # of the largest curvature, the least that a step assumes
+_LENT = 1.0  # of the largest curvature, what a bound that is met lends
 _TRIFLE = 1e-9  # share of the largest multiplier
 _ROUNDS = 30
-_DOUBTS = 1000
+_LIMIT = 2000  # iterations of DAQP
+_FREE = 1e-8  # of the largest: how much a row changes within what the equalities leave free, to count as free itself
+_SOFT, _SOFTNESS = 8, 1e-7  # DAQP's word for a bound that may be exceeded, and by how much for a unit of multiplier
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,137 +38,210 @@ class ActiveStep:
     Attributes:
         step: (n,) change of the unknowns.
         multipliers: (rows,) of equalities and bounds; positive at an upper bound.
-        held: (k,) rows that hold with equality; doubtful ones to about 1e-6.
-        H, jacobian: of the program.
-        factor: of the optimality conditions with the held rows, where the last one is that.
+        held: (k,) rows that hold with equality.
+        curved: whether H curved downwards where the equalities leave it free, and was turned upwards there.
+        rows: (k, n) of the Jacobian, those held.
+        independent: which of the equalities stood for all of them.
     """
 
     step: Array
     multipliers: Array
     held: Indices
-    H: sp.spmatrix
-    jacobian: sp.csr_matrix
-    factor: KktFactor | None
+    curved: bool
+    rows: Array
+    independent: Indices
 
-    def conditions(self) -> KktFactor:
-        """The optimality conditions with the held rows, factorised."""
-        return self.factor or KktFactor(self.H, self.jacobian[self.held])
-
-
-class KktFactor:
-    """Optimality conditions with some rows held: factorised once, solved often.
-
-    Args:
-        H: (n, n) curvature.
-        rows: (k, n) rows that are held.
-
-    Raises:
-        RuntimeError: the matrix is singular.
-    """
-
-    def __init__(self, H: sp.spmatrix, rows: sp.csr_matrix) -> None:
-        self.size, count = H.shape[0], rows.shape[0]
-        left = sp.vstack([sp.csr_matrix(H), rows], format="csr").tocsc()
-        right = sp.csc_matrix((rows.data, rows.indices, rows.indptr), shape=rows.shape[::-1])  # their transpose
-        ends = right.indptr[1:]
-        data = np.insert(right.data, ends, -_SOFT)
-        places = np.insert(right.indices, ends, self.size + np.arange(count))
-        starts = left.indptr[-1] + right.indptr + np.arange(count + 1)
-        self._matrix = sp.csc_matrix(
-            (
-                np.concatenate([left.data, data]),
-                np.concatenate([left.indices, places]),
-                np.concatenate([left.indptr, starts[1:]]),
-            ),
-            shape=(self.size + count, self.size + count),
-        )
-        self._factors: Any = sl.splu(self._matrix)
-
-    def solve(self, right: Array) -> Array:
-        """Unknowns and multipliers for a right-hand side (n + k,), refined once."""
-        found = self._factors.solve(right)
-        return np.asarray(found + self._factors.solve(right - self._matrix @ found))
-
-    def pushed(self, rows: sp.csr_matrix) -> Array:
-        """(n + k, j) what a unit of multiplier on each of further rows (j, n) does."""
-        right = np.zeros((self._matrix.shape[0], rows.shape[0]))
-        right[: self.size] = rows.toarray().T
-        return np.asarray(self._factors.solve(right))
+    @cached_property
+    def _factor(self) -> tuple[Array, Array, Indices]:
+        Q, R, order = la.qr(self.rows.T, mode="economic", pivoting=True, check_finite=False)
+        size = np.abs(np.diag(R))
+        rank = int(np.sum(size > _DEPENDENT * size.max(initial=0.0)))
+        return Q[:, :rank], R[:rank, :rank], order[:rank]
 
     def towards(self, gaps: Array) -> Array:
-        """Change (n,) of the unknowns that moves the held rows by ``gaps`` (k,)."""
-        return self.solve(np.concatenate([np.zeros(self.size), gaps]))[: self.size]
+        """Least change (n,) of the unknowns that moves the held rows by ``gaps`` (k,)."""
+        Q, R, order = self._factor
+        return np.asarray(Q @ la.solve_triangular(R, gaps[order], trans=1, check_finite=False))
 
 
 def active_set_step(
-    H: sp.spmatrix, gradient: Array, jacobian: sp.csr_matrix, low: Array, high: Array, guess: Array
+    H: Array,
+    gradient: Array,
+    jacobian: sp.csr_matrix,
+    low: Array,
+    high: Array,
+    guess: Array,
+    independent: Indices | None = None,
 ) -> ActiveStep | None:
-    """Solve the quadratic program; None where the guess was too far away or H curves downwards.
+    """Solve the quadratic program; None where no step keeps its bounds.
 
     Args:
-        H: (n, n) curvature.
+        H: (n, n) curvature; what curves downwards is turned upwards.
         gradient: (n,) of the objective.
         jacobian: (rows, n); equalities are rows whose ``low`` and ``high`` agree.
         low, high: (rows,) bounds on the change of the rows.
-        guess: (rows,) multipliers. A bound is surely met when its multiplier outweighs its distance.
+        guess: (rows,) multipliers. A bound with one is thought to be met.
+        independent: which of the equalities may stand for all of them, from a step nearby.
     """
-    n, equal = len(gradient), high - low <= 0.0
-    side = np.where(guess > np.maximum(high, 0.0), 1, np.where(-guess > np.maximum(-low, 0.0), -1, 0))
-    side[equal] = 0
-    doubt, turn = np.zeros(0, dtype=np.int64), np.zeros(0)  # rows, and +1 at the upper or -1 at the lower bound
-    for _ in range(_ROUNDS):
-        held = np.flatnonzero(equal | (side != 0))
-        goal = np.where(side[held] < 0, low[held], high[held])
-        try:
-            conditions = KktFactor(H, jacobian[held])
-        except RuntimeError:
-            return None
-        base = conditions.solve(np.concatenate([-gradient, goal]))
-        pushes = conditions.pushed(sp.diags(turn) @ jacobian[doubt])
-        while True:
-            weights = _small(sp.diags(turn) @ jacobian[doubt], pushes[:n], base[:n], turn, low[doubt], high[doubt])
-            if weights is None or len(doubt) > _DOUBTS:
-                return None
-            found = base - pushes @ weights
-            lam = np.zeros(len(low))
-            lam[held] = found[n:]
-            # Bounds held with a multiplier of the wrong sign come first: they push the step beyond many others.
-            wrong = np.flatnonzero(side * lam < 0.0)
-            change = jacobian @ found[:n]
-            free = ~equal & (side == 0)
-            above, below = free & (change > high + _BEYOND), free & (change < low - _BEYOND)
-            above[doubt[turn > 0]], below[doubt[turn < 0]] = False, False
-            new = np.flatnonzero(above | below)
-            if len(wrong) or not len(new):
-                break
-            sign = np.where(above[new], 1.0, -1.0)
-            pushes = np.hstack([pushes, conditions.pushed(sp.diags(sign) @ jacobian[new])])
-            doubt, turn = np.concatenate([doubt, new]), np.concatenate([turn, sign])
-        if not len(wrong):
-            met = weights > _TRIFLE * weights.max(initial=0.0)
-            lam[doubt[met]] = (turn * weights)[met]
-            side[doubt[met]] = turn[met]
-            held = np.flatnonzero(equal | (side != 0))
-            same = None if np.any(met) else conditions
-            return ActiveStep(found[:n], lam, held, H, jacobian, same) if np.isfinite(found).all() else None
-        doubt, turn = np.concatenate([doubt, wrong]), np.concatenate([turn, side[wrong].astype(np.float64)])
-        side[wrong] = 0
-    return None
-
-
-def _small(rows: sp.csr_matrix, pushes: Array, base: Array, turn: Array, low: Array, high: Array) -> Array | None:
-    """Multipliers (j,) at least 0 of the doubtful rows, by DAQP; None if H curves downwards along one of them."""
-    count = len(turn)
-    if count == 0:
-        return np.zeros(0)
-    excess = rows @ base - np.where(turn > 0, high, -low)
-    G = np.asarray(rows @ pushes)
-    G = 0.5 * (G + G.T)
-    G[np.diag_indices(count)] += _RIDGE * float(np.abs(np.diag(G)).max())
-    try:
-        np.linalg.cholesky(G)
-    except np.linalg.LinAlgError:
+    equal = high - low <= 0.0
+    same = np.flatnonzero(equal)
+    upper, lower = (guess > 0.0) & np.isfinite(high), (guess < 0.0) & np.isfinite(low)
+    side = np.where(equal, 0, np.where(upper, 1, np.where(lower, -1, 0))).astype(np.int32)
+    if not (np.isfinite(H).all() and np.isfinite(jacobian.data).all()):
         return None
-    nothing, sense = np.zeros((0, count)), np.zeros(count, dtype=np.int32)
-    found, _, flag, _ = daqp.solve(G, -excess, nothing, np.full(count, 1e30), np.zeros(count), sense, iter_limit=2000)
-    return np.maximum(found, 0.0) if flag > 0 and np.isfinite(found).all() else None
+    A, free = Equalities.of(jacobian[same].toarray(), independent)
+    same = same[free]
+    fixed, Z = A.meeting(low[same]), A.null
+    if not np.isfinite(fixed).all():  # equalities that contradict each other
+        return None
+    slope, reduced = Z.T @ (gradient + H @ fixed), A.reduced(H)
+    L, curved = _root(reduced)
+    if curved:  # bounds that will be met lend their curvature, which changes nothing where they are
+        met = np.flatnonzero(side)
+        goal = np.where(side > 0, high, low)[met] - jacobian[met] @ fixed
+        push = jacobian[met] @ Z
+        weight = _LENT * np.abs(np.diag(reduced)).max()
+        slope, reduced = slope - weight * (push.T @ goal), reduced + weight * (push.T @ push)
+        L, curved = _root(reduced)
+        if curved:
+            L = _turned(reduced)
+
+    def moved(y: Array) -> Array:
+        return np.asarray(Z @ la.solve_triangular(L, y, trans=1, lower=True, check_finite=False))
+
+    best = -la.solve_triangular(L, slope, lower=True, check_finite=False)
+    least = fixed + moved(best)
+    move = jacobian @ least
+    bounded = np.flatnonzero(~equal)
+    known = np.zeros(len(low), dtype=bool)
+    new = bounded[(side[bounded] != 0) | _beyond(move, low, high)[bounded]]
+    work, slopes = np.zeros(0, dtype=np.int64), np.zeros((0, len(best)))
+    largest = 0.0
+    y, lam, step = np.zeros(len(best)), np.zeros(0), least
+    for _ in range(_ROUNDS):
+        if not len(new):
+            break
+        known[new] = True
+        more = la.solve_triangular(L, (jacobian[new] @ Z).T, lower=True, check_finite=False).T
+        size = np.sqrt(np.einsum("ij,ij->i", more, more))
+        largest = max(largest, float(size.max()))
+        new, more = new[size > _FREE * largest], more[size > _FREE * largest]
+        work, slopes = np.concatenate([work, new]), np.vstack([slopes, more])
+        above, below = high[work] - move[work], low[work] - move[work]
+        sense = np.where(side[work] > 0, 1, np.where(side[work] < 0, 3, 0)).astype(np.int32)
+        y, _, flag, info = _shortest(slopes, above, below, sense, _LIMIT)
+        if flag <= 0 and guess.any():  # bounds that depend on each other: nearly all of them are kept
+            y, _, flag, info = _shortest(slopes, above, below, sense | _SOFT, _LIMIT, rho_soft=_SOFTNESS)
+        if flag <= 0 or not np.isfinite(y).all():
+            return None
+        lam = info["lam"]
+        side[work] = np.sign(np.where(np.abs(lam) > _TRIFLE * np.abs(lam).max(initial=0.0), lam, 0.0))
+        step = least + moved(y)
+        new = np.flatnonzero(_beyond(jacobian @ step, low, high) & ~known & ~equal)
+    multipliers = np.zeros(len(low))
+    multipliers[work] = np.where(side[work] != 0, lam, 0.0)
+    left = gradient + H @ step + jacobian.T @ multipliers
+    multipliers[same] = -A.multipliers(left)
+    held = np.concatenate([same, work[side[work] != 0]])
+    return (
+        ActiveStep(step, multipliers, held, curved, jacobian[held].toarray(), free) if np.isfinite(step).all() else None
+    )
+
+
+def _shortest(
+    slopes: Array, above: Array, below: Array, sense: npt.NDArray[np.int32], limit: int, **settings: float
+) -> Any:
+    """DAQP's answer: the shortest y with below <= slopes @ y <= above."""
+    count = slopes.shape[1]
+    bounds = slopes, above, below, sense.astype(np.int32)
+    return daqp.solve(np.eye(count), np.zeros(count), *bounds, iter_limit=limit, primal_tol=_BEYOND, **settings)
+
+
+def _beyond(change: Array, low: Array, high: Array) -> npt.NDArray[np.bool_]:
+    """Which rows exceed a bound."""
+    return np.asarray((change > high + _BEYOND) | (change < low - _BEYOND))
+
+
+class Equalities:
+    """Rows A (k, n) of full rank by Aᵀ = P L U: what meets them, and what they leave free.
+
+    Args:
+        rows: A.
+    """
+
+    def __init__(self, rows: Array) -> None:
+        self._count = len(rows)
+        packed, swaps, _ = la.lapack.dgetrf(rows.T)
+        self._order = np.arange(rows.shape[1])
+        for k, other in enumerate(swaps[: self._count].tolist()):
+            self._order[[k, other]] = self._order[[other, k]]
+        self._top, self._rest = packed[: self._count], packed[self._count :]
+
+    @classmethod
+    def of(cls, rows: Array, guess: Indices | None) -> tuple[Equalities, Indices]:
+        """Of rows that may depend on each other; and which of them stand for all, of which there may be a guess."""
+        kept = np.arange(len(rows)) if guess is None else guess
+        found = cls(rows[kept])
+        others = np.delete(np.arange(len(rows)), kept)
+        if found.full and (
+            not len(others) or np.abs(rows[others] @ found.null).max() < _DEPENDENT * np.abs(rows).max()
+        ):
+            return found, kept
+        R, order = la.qr(rows.T, mode="r", pivoting=True, check_finite=False)
+        size = np.abs(np.diag(R))
+        kept = np.sort(order[: int(np.sum(size > _DEPENDENT * size.max(initial=0.0)))])
+        return cls(rows[kept]), kept
+
+    @property
+    def full(self) -> bool:
+        """Whether the rows do not depend on each other."""
+        size = np.abs(np.diag(self._top))
+        return bool(len(size) == self._count and size.min(initial=1.0) > _DEPENDENT * size.max(initial=0.0))
+
+    def _solve(self, right: Array, lower: bool, trans: int) -> Array:
+        return np.asarray(la.solve_triangular(self._top, right, trans, lower, unit_diagonal=lower, check_finite=False))
+
+    def meeting(self, values: Array) -> Array:
+        """(n,) with A x = values."""
+        found = np.zeros(len(self._order))
+        found[self._order[: self._count]] = self._solve(self._solve(values, False, 1), True, 1)
+        return found
+
+    @cached_property
+    def _bound(self) -> Array:
+        """(k, n - k) how the unknowns that are not free follow from those that are."""
+        return -self._solve(self._rest.T, True, 1)
+
+    @cached_property
+    def null(self) -> Array:
+        """Z (n, n - k) with A Z = 0, its columns independent."""
+        found = np.zeros((len(self._order), len(self._rest)))
+        found[self._order[: self._count]] = self._bound
+        found[self._order[self._count :]] = np.eye(len(self._rest))
+        return found
+
+    def reduced(self, H: Array) -> Array:
+        """Zᵀ H Z of a symmetric H."""
+        bound, free = self._order[: self._count], self._order[self._count :]
+        own, mixed = H[np.ix_(bound, bound)], H[np.ix_(bound, free)]
+        half = self._bound.T @ (0.5 * (own @ self._bound) + mixed)
+        return np.asarray(H[np.ix_(free, free)] + half + half.T)
+
+    def multipliers(self, pull: Array) -> Array:
+        """(k,) with Aᵀ λ = pull, where there is such a one."""
+        return self._solve(self._solve(pull[self._order[: self._count]], True, 0), False, 0)
+
+
+def _root(H: Array) -> tuple[Array, bool]:
+    """L with L Lᵀ = H; and whether there is none, as H curves downwards."""
+    try:
+        return la.cholesky(H, lower=True, check_finite=False), False
+    except la.LinAlgError:
+        return H, True
+
+
+def _turned(H: Array) -> Array:
+    """L with L Lᵀ = H but where H curves downwards: there it is turned upwards."""
+    values, vectors = la.eigh(H, check_finite=False)
+    size = np.maximum(np.abs(values), _FLAT * np.abs(values).max())
+    return np.asarray(la.cholesky((vectors * size) @ vectors.T, lower=True, check_finite=False))

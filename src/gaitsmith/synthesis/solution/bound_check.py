@@ -39,19 +39,27 @@ class BoundTable:
         self.bounds = bounds
         self.out, self.inp = np.zeros((count, layout.outputs)), np.zeros((count, layout.inputs))
         for row, bound in enumerate(bounds):
-            for index, value in bound.out.items():
-                self.out[row, index] = value
-            for index, value in bound.inp.items():
-                self.inp[row, index] = value
+            self.out[row, list(bound.out)] = list(bound.out.values())
+            self.inp[row, list(bound.inp)] = list(bound.inp.values())
         self.low = np.array([bound.low for bound in bounds])[:, None]
         self.high = np.array([bound.high for bound in bounds])[:, None]
         self.span = np.array([bound.span for bound in bounds])[:, None]
+        self.slack = np.array([bound.slack for bound in bounds])
+        self.interior = [row for row, bound in enumerate(bounds) if bound.interior]
+        self._constant = np.array([0.0 if bound.rise else bound.constant for bound in bounds])[:, None]
+        self._risen = [row for row, bound in enumerate(bounds) if bound.rise]
+        self._loaded = np.array([row for row, bound in enumerate(bounds) if bound.load != NO_LOAD], dtype=np.int64)
+        loaded = [bounds[row] for row in self._loaded.tolist()]
+        self._load = np.array([bound.load for bound in loaded], dtype=np.int64)
+        self._power = np.array([bound.power for bound in loaded], dtype=np.int64)[:, None]
+        self._scale = np.array([bound.factor * bound.ratio_span / bound.span for bound in loaded])[:, None]
 
     def values(self, o: Array, z: Array, s: Array) -> Array:
         """(bounds, N) values in the bounds' units; s (N,) is the normalised time in the phase."""
-        return np.asarray(
-            self.out @ o + self.inp @ z + np.array([np.broadcast_to(bound.offset(s), s.shape) for bound in self.bounds])
-        )
+        found = self.out @ o + self.inp @ z + self._constant
+        for row in self._risen:
+            found[row] += self.bounds[row].offset(s)
+        return np.asarray(found)
 
     def violations(self, values: Array, loads: Array) -> tuple[Array, Array]:
         """(bounds, N) share of the range by which a bound is violated, and what such a share is of the span.
@@ -60,11 +68,21 @@ class BoundTable:
         """
         share = np.maximum(self.low - values, values - self.high) / self.span
         scales = np.ones_like(share)
-        for row, bound in enumerate(self.bounds):
-            if bound.load != NO_LOAD:
-                load = np.maximum(loads[bound.load], _LIGHT)
-                scales[row] = bound.factor * bound.ratio_span * load**bound.power / bound.span
+        scales[self._loaded] = self._scale * np.maximum(loads, _LIGHT)[self._load] ** self._power
         return share / scales, scales
+
+
+class Tables:
+    """The bounds of every phase as matrices: those with their margins, and the true ones.
+
+    Args:
+        trans: unknowns and bounds.
+    """
+
+    def __init__(self, trans: Transcription) -> None:
+        self.inner, self.limits = (
+            [BoundTable(trans.layout, bounds) for bounds in every] for every in (trans.bounds, trans.limits)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +108,9 @@ class BoundCheck:
     pieces: list[LocalPiece]
 
 
-def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, count: int) -> list[BoundCheck]:
+def check_bounds(
+    trans: Transcription, functions: PointFunctions, x: Array, count: int, tables: Tables
+) -> list[BoundCheck]:
     """All bounds of all phases at ``count`` instants each, on the curves as they will be stored."""
     borders, found = trans.motion.borders, []
     every = [phase_pieces(trans, functions, x, phase) for phase in range(len(trans.motion.phases))]
@@ -98,16 +118,16 @@ def check_bounds(trans: Transcription, functions: PointFunctions, x: Array, coun
         times = np.linspace(borders[phase], borders[phase + 1], count)
         z = balanced(trans, functions, phase, local_inputs(trans, x, phase, pieces, times))
         o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, count)), trans.motion.phases[phase].side)
-        inner, limits = (BoundTable(trans.layout, bounds[phase]) for bounds in (trans.bounds, trans.limits))
+        inner, limits = tables.inner[phase], tables.limits[phase]
         share = trans.share(phase, times)
         loads = np.array([o[trans.layout.force + 2], z[trans.layout.wrench + 2]]) / trans.biped.weight
         violations, scales = inner.violations(inner.values(o, z, share), loads)
         values, most = limits.values(o, z, share), violations.copy()
-        interior = [row for row, bound in enumerate(inner.bounds) if bound.interior]
+        interior = inner.interior
         most[interior] = limits.violations(values, loads)[0][interior]  # their margin is a part of what they are
         for end in (0, -1):
             most[interior, end] = np.minimum(most[interior, end], 0.0)
-        excess = float((most.max(axis=1) - [bound.slack for bound in inner.bounds]).max())
+        excess = float((most.max(axis=1) - inner.slack).max())
         found.append(BoundCheck(times, violations, scales, excess, values, loads, pieces))
     return found
 

@@ -166,6 +166,15 @@ def local_inputs(trans: Transcription, x: Array, phase: int, pieces: list[LocalP
     return z
 
 
+def inputs_at(trans: Transcription, x: Array, phase: int, pieces: list[LocalPiece], nodes: Array) -> Array:
+    """Inputs (inputs, P * N) of a phase at normalised times (N,) of each of its pieces."""
+    starts, spans = (np.array([piece[k] for piece in pieces])[:, None] for k in range(2))
+    joints = np.array([piece[2] for piece in pieces])  # (P, c, degree + 1)
+    curves = [joints @ power_basis(joints.shape[2] - 1, nodes, k) / spans[:, :, None] ** k for k in range(3)]
+    states = np.concatenate(curves, axis=1).transpose(1, 0, 2).reshape(trans.layout.wrench, -1)
+    return np.vstack([states, _wrench_at(trans, x, phase, (starts + spans * nodes).ravel())])
+
+
 def finished_pieces(
     trans: Transcription, functions: PointFunctions, x: Array, phase: int, pieces: list[LocalPiece]
 ) -> tuple[Piece, ...]:
@@ -173,10 +182,7 @@ def finished_pieces(
     layout, n = trans.layout, trans.biped.joints
     item = trans.motion.phases[phase]
     nodes, to_series = chebyshev_fit(_SAMPLES)
-    times = np.concatenate([start + span * nodes for start, span, _ in pieces])
-    halves = zip(pieces, np.split(times, len(pieces)), strict=True)
-    z = np.hstack([local_inputs(trans, x, phase, [piece], part) for piece, part in halves])
-    z = balanced(trans, functions, phase, z)
+    z = balanced(trans, functions, phase, inputs_at(trans, x, phase, pieces, nodes))
     o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), item.side)
     torque, support = o[layout.torque : layout.torque + n], o[layout.force : layout.force + 6]
     u = z[layout.wrench :].copy()

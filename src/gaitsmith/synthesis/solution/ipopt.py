@@ -59,7 +59,7 @@ class Solution:
         status: the solver's word for how it ended.
         iterations: of this solve.
         setup_s: time to build the problem, s.
-        multipliers: of the rows.
+        multipliers: of the rows; of bounds, those that are met.
     """
 
     x: Array
@@ -201,5 +201,12 @@ def solve_ipopt(
         status=str(stats["return_status"]),
         iterations=int(stats["iter_count"]),
         setup_s=ready - begin,
-        multipliers=np.array(result["lam_g"]).ravel(),
+        multipliers=_of_met(program, np.array(result["g"]).ravel(), np.array(result["lam_g"]).ravel()),
     )
+
+
+def _of_met(program: Program, rows: Array, multipliers: Array) -> Array:
+    """The multipliers that outweigh the distances of their bounds; an interior point leaves a trifle at all of them."""
+    above, below = np.maximum(program.high - rows, 0.0), np.maximum(rows - program.low, 0.0)
+    met = (program.high <= program.low) | (multipliers > above) | (-multipliers > below)
+    return np.where(met, multipliers, 0.0)

@@ -26,6 +26,7 @@ from gaitsmith.synthesis.program.program import CURVED, SELDOM, ImposedBound, Pr
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 from gaitsmith.synthesis.solution.bound_check import (
     BoundCheck,
+    Tables,
     check_bounds,
     with_close,
     with_times,
@@ -55,6 +56,8 @@ from gaitsmith.synthesis.solution.sqp import solve_sqp
 Array = npt.NDArray[np.float64]
 _AIM = 0.2 * MARGIN  # violations above this are dealt with while others are
 _COLD_TOLERANCE = 1e-2  # of the first solve, when warm ones follow
+_CLOSE = 0.02  # of a range: while a bound is exceeded by more, a rough solution says where
+_ROUGH = 5  # rounds of that at most
 _NEARLY = 3.0  # of a range: while a bound is exceeded by more, torque rates say nothing
 _WARM_ITERATIONS = 12
 _USUAL = 60  # iterations from standing still; who needs more has asked for too much, or for another start
@@ -173,7 +176,7 @@ class Planner:
         check_roots(self.biped, motion, settings.order)
         compiled, begin = self.functions.compile_s if self._compile_s is None else 0.0, time.perf_counter()
         trans = Transcription(self.biped, motion, settings)
-        relaxation, first = Relaxation(trans), 0
+        relaxation, first, tables = Relaxation(trans), 0, Tables(trans)
         times = {"setup": 0.0, "compile": compiled, "solve": 0.0, "check": 0.0}
         result = PlanResult("not solved", out_of_reach(trans), trans.size, times, borders=motion.borders)
         if result.reason:
@@ -186,7 +189,7 @@ class Planner:
             x, found = neighbour.x, neighbour.solution
         else:
             imposed, x, found = every_bound(trans, base, SELDOM), usual, None
-        examined = settled = False  # the first solve is a rough one
+        examined, rough = False, True  # until bounds are exceeded by little
         times["setup"] += time.perf_counter() - begin
         while True:
             clock = time.perf_counter()
@@ -196,7 +199,7 @@ class Planner:
             left = max(settings.max_iterations - result.iterations, 1)
             most = left if far or motion.flies else min(left, _USUAL if found is None else _ANOTHER)
             easier = relaxation.imposes(imposed)
-            found, fallbacks = self._solve(program, found, x, settings, most, result.rounds, far, easier, tell)
+            found, fallbacks = self._solve(program, found, x, settings, most, rough, far, easier, tell)
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
@@ -229,11 +232,11 @@ class Planner:
                 imposed, x, found, examined = every_bound(trans, base, SELDOM), least.x, None, True
                 continue
             clock = time.perf_counter()
-            checks = check_bounds(trans, self.functions, x, settings.dense)
+            checks = check_bounds(trans, self.functions, x, settings.dense, tables)
             rates = torque_rates_of(trans, self.functions, x, checks)
             times["check"] += time.perf_counter() - clock
             excess, last = worst_excess(checks), result.rounds - first >= settings.refinements
-            kept, fast = excess <= 0.0 and settled, too_fast(trans, rates)
+            kept, fast = excess <= 0.0 and not rough, too_fast(trans, rates)
             asked = asked_too_fast(trans, rates)
             if kept and (
                 not (fast or relaxation.unbounded or asked)
@@ -246,9 +249,11 @@ class Planner:
                 return replace(result, status="not certified", reason=text, worst=worst)
             if relaxation.before is None and fast:
                 relaxation.before = Before(imposed, x, found)
-            imposed, settled = with_violated(trans, checks, imposed, _AIM, settled), True
+            imposed = with_violated(trans, checks, imposed, _AIM, not rough)
             if fast and excess < _NEARLY:
-                imposed = with_fast(trans, rates, imposed)
+                imposed = with_fast(trans, rates, imposed, not rough)
+            rough = rough and excess > _CLOSE and result.rounds < _ROUGH
+            first += rough
             result = replace(result, rounds=result.rounds + 1)
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)
@@ -296,7 +301,7 @@ class Planner:
         x: Array,
         settings: Settings,
         left: int,
-        rounds: int,
+        rough: bool,
         far: bool,
         easier: bool,
         tell: Callable[[Progress], None] | None,
@@ -305,19 +310,16 @@ class Planner:
 
         ``far``: from no usual start. ``easier``: there is another program to try before a slower method.
         """
-        tried = 0
-        if last is not None:
-            multipliers = np.zeros(program.rows)
-            count = min(program.rows, len(last.multipliers))
-            multipliers[:count] = last.multipliers[:count]
-            most = min(_WARM_ITERATIONS, left)
-            found = solve_sqp(program, x, multipliers, most, rounds > 0, tell)
+        tried, known = 0, np.zeros(0) if last is None else last.multipliers[: program.rows]
+        if last is not None or not far:
+            multipliers = np.append(known, np.zeros(program.rows - len(known)))
+            found = solve_sqp(program, x, multipliers, min(_WARM_ITERATIONS, left), rough, tell)
             if found.solved or easier or found.iterations >= left:
                 return found, 0
-            far, tried = True, found.iterations
-        tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rounds == 0 else settings.tolerance
+            far, tried = far or last is not None, found.iterations
+        tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rough else settings.tolerance
         cold = solve_ipopt(program, x, tolerance, left - tried, tell, _FAR if far else None)
-        return replace(cold, iterations=cold.iterations + tried), int(last is not None)
+        return replace(cold, iterations=cold.iterations + tried), int(tried > 0)
 
     def _gait(self, trans: Transcription, checks: list[BoundCheck], result: PlanResult) -> Gait:
         """The gait in the robot's own order and world axes."""
@@ -326,10 +328,8 @@ class Planner:
             finished_pieces(trans, self.functions, result.x, phase, item.pieces) for phase, item in enumerate(checks)
         ]
         pieces = with_held(trans.biped, trans.motion, pieces)
-        solver: dict[str, Any] = {
-            "name": "IPOPT, SQP",
-            "status": "" if result.solution is None else result.solution.status,
-        }
+        status = "" if result.solution is None else result.solution.status
+        solver: dict[str, Any] = {"name": "SQP, IPOPT", "status": status}
         solver |= {"asymmetry": trans.biped.asymmetry, "held": [robot.joint_names[k] for k in trans.biped.held]}
         solver |= {name: getattr(result, name) for name in ("iterations", "rounds", "fallbacks")}
         return Gait(

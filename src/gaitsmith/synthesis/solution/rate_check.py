@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.splines.polynomial import chebyshev_fit
+from gaitsmith.splines.polynomial import chebyshev_fit, chebyshev_slopes
 from gaitsmith.synthesis.gaits.gait import Gait
 from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.point.functions import PointFunctions
@@ -18,7 +18,7 @@ from gaitsmith.synthesis.program.rates import UNIT, rate_name, steepest
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.bound_check import BoundCheck
 from gaitsmith.synthesis.solution.certificate import merge
-from gaitsmith.synthesis.solution.curves_from_solution import local_inputs
+from gaitsmith.synthesis.solution.curves_from_solution import inputs_at
 from gaitsmith.synthesis.solution.passive import balanced
 
 Array = npt.NDArray[np.float64]
@@ -45,17 +45,15 @@ def torque_rates_of(trans: Transcription, functions: PointFunctions, x: Array, c
     nodes, to_series = chebyshev_fit(_SAMPLES)
     share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _FINE))
     said = np.clip(share, _INSIDE, 1.0 - _INSIDE)  # at a knot a rate jumps: its instant must tell on which side
+    slopes = chebyshev_slopes(to_series, 2.0 * share - 1.0)
     for phase, item in enumerate(checks):
-        parts = [local_inputs(trans, x, phase, [piece], piece[0] + piece[1] * nodes) for piece in item.pieces]
-        z = balanced(trans, functions, phase, np.hstack(parts))
-        side = trans.motion.phases[phase].side
-        o = functions.evaluate(z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), side)
-        times, values = [], []
-        for (start, span, _), torque in zip(item.pieces, np.split(o[:n], len(parts), axis=1), strict=True):
-            slope = np.polynomial.chebyshev.chebder((torque @ to_series).T) * (2.0 / span)
-            times.append(start + span * said)
-            values.append(np.polynomial.chebyshev.chebval(2.0 * share - 1.0, slope))
-        found.append(Rates(np.concatenate(times), np.hstack(values)))
+        z = balanced(trans, functions, phase, inputs_at(trans, x, phase, item.pieces, nodes))
+        o = functions.evaluate(
+            z, np.tile(trans.pivots[phase][:, None], (1, z.shape[1])), trans.motion.phases[phase].side
+        )
+        starts, spans = (np.array([piece[k] for piece in item.pieces])[:, None] for k in range(2))
+        rates = (o[:n].reshape(n, len(spans), -1) @ slopes) * (2.0 / spans)
+        found.append(Rates((starts + spans * said).ravel(), rates.reshape(n, -1)))
     return found
 
 
@@ -89,8 +87,13 @@ def fastest(trans: Transcription, rates: list[Rates]) -> str:
     return f"{rate_name(trans, phase, local)} {pair} in {trans.motion.phases[phase].name}"
 
 
-def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBound]) -> list[ImposedBound]:
-    """The imposed bounds, with each joint's largest excess in every section added or tightened."""
+def with_fast(
+    trans: Transcription, rates: list[Rates], imposed: list[ImposedBound], settled: bool = True
+) -> list[ImposedBound]:
+    """The imposed bounds, with each joint's largest excess in every section added or tightened.
+
+    ``settled``: whether they hold to the solver's tolerance; after a rough solve none is tightened.
+    """
     found = list(imposed)
     for phase, item in enumerate(rates):
         most = (1.0 - _BETWEEN) * steepest(trans, phase)
@@ -114,11 +117,11 @@ def with_fast(trans: Transcription, rates: list[Rates], imposed: list[ImposedBou
                     if inside_too
                 ]
                 apart, index = min(near, default=(1.0, -1))
-                if apart < _NEAR and found[index].tighten < _TIGHTEST:
-                    old = found[index]
-                    found[index] = ImposedBound(phase, bound, old.time, min(old.tighten + excess, _TIGHTEST))
+                tighten = found[index].tighten if apart < _NEAR else 0.5 * _MARGIN
                 if apart > _SAME:
-                    found.append(ImposedBound(phase, bound, time, 0.5 * _MARGIN))
+                    found.append(ImposedBound(phase, bound, time, tighten))
+                elif settled:
+                    found[index] = ImposedBound(phase, bound, found[index].time, min(tighten + excess, _TIGHTEST))
     return found
 
 

@@ -18,6 +18,7 @@ _GAIN = 1e-4  # relative decrease of the objective that is not worth another ste
 _ROWS = 1e-3  # violation from which the last rows are settled without the objective
 _SETTLED = 1e-7
 _SETTLING = 12  # steps of that
+_FAR = 0.03  # violation from which the curvature of what is violated says nothing: the steps are convex ones
 _PROXIMAL = 1e-2  # curvature added per unknown: directions that cost nothing are not worth a long step
 _STEP = 1.0  # largest change of an unknown in one step
 
@@ -27,7 +28,7 @@ def solve_sqp(
     start: Array,
     multipliers: Array,
     max_iterations: int,
-    new_bounds: bool,
+    rough: bool,
     report: Callable[[Progress], None] | None = None,
 ) -> Solution:
     """Solve a program from nearby: objective to about 1e-6, rows to about 1e-9.
@@ -37,7 +38,7 @@ def solve_sqp(
         start: unknowns to start from.
         multipliers: of the rows, to start from.
         max_iterations: before it gives up.
-        new_bounds: the program has bounds that the start violates: the first step is then a convex one.
+        rough: a step from where all rows nearly hold is enough: the bounds are to be looked at first.
         report: called at every iteration.
 
     Returns:
@@ -47,6 +48,7 @@ def solve_sqp(
     derivatives = Derivatives(program)
     ready = time.perf_counter()
     x, lam = start.copy(), multipliers.copy()
+    independent = None
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
     for iteration in range(max_iterations + 1):
         gradient, rows, jacobian = derivatives.first_order(x)
@@ -56,17 +58,13 @@ def solve_sqp(
         if report is not None:
             report(progress_of(program, iteration, objective, rows))
         bounds = program.low - rows, program.high - rows
-        found = None
-        if iteration or not new_bounds:
-            H = derivatives.curvature(x, 1.0, lam, _PROXIMAL)
-            found = active_set_step(H, gradient, jacobian, *bounds, lam)
-        if found is None:  # new bounds, or a curvature that does not fit them: a convex step finds which are met
-            H = derivatives.curvature(x, 0.0, 0.0, _PROXIMAL)
-            found = active_set_step(H, gradient, jacobian, *bounds, lam)
+        far = violation > _FAR
+        H = derivatives.curvature(x, 0.0 if far else 1.0, 0.0 if far else lam, _PROXIMAL)
+        found = active_set_step(H, gradient, jacobian, *bounds, lam, independent)
         if found is None:
             status = "Quadratic_Program_Failed"
             break
-        step, lam = found.step, found.multipliers
+        step, lam, independent = found.step, found.multipliers, found.independent
         size = float(np.abs(step).max())
         gain = abs(float(gradient @ step) + 0.5 * float(step @ H @ step))
         if violation < _ROWS and gain < _GAIN * abs(cost):
@@ -80,12 +78,15 @@ def solve_sqp(
             break
         previous = size
         x = x + step * min(1.0, _STEP / size)
+        if rough and not far:
+            solved, status, iteration = True, "Rough", iteration + 1
+            break
     return Solution(x, solved, status, iteration, ready - begin, lam)
 
 
 def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, float]:
     """Small changes of ``x`` until the equalities and the active bounds hold; and what is left of them."""
-    held, left, conditions = found.held, np.inf, found.conditions()
+    held, left = found.held, np.inf
     side = np.sign(found.multipliers[held])
     goal = np.where(side < 0, program.low[held], program.high[held])
     for _ in range(_SETTLING):
@@ -94,5 +95,5 @@ def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, floa
         left = float(np.abs(gap).max(initial=0.0))
         if left < 0.01 * _SETTLED:
             break
-        x = x + conditions.towards(gap)  # the rows are nearly straight here: one factorisation serves all steps
+        x = x + found.towards(gap)  # the rows are nearly straight here: one factorisation serves all steps
     return x, left
