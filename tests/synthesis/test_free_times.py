@@ -65,8 +65,8 @@ def freed(planner, dynamic):
 
 
 def test_the_slope_is_that_of_a_plan_made_anew(planner, dynamic):
-    first, settings, change = dynamic.main, Settings(), 1e-3
-    motion = first.gait.motion
+    settings, change, motion = Settings(), 1e-3, dynamic.main.gait.motion
+    first = planner.plan(motion, settings, neighbour=dynamic.main)  # a warm plan imposes more instants than a cold one
     moved = replace(motion, phases=(replace(motion.phases[0], duration=motion.phases[0].duration + change),))
     moved = replace(moved, phases=moved.phases + motion.phases[1:])
     (promised,) = slopes(planner.biped, planner.functions, first, [motion, moved], settings)
