@@ -113,7 +113,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "largest_error": 0.037 * speed,
             "station_gain": (0.06 * rate, 0.06 * rate),
             "station_limit": 0.02 * speed,
-            "settled_speed": 0.0185 * speed,
+            "settled_speed": 0.008 * speed,
         },
         "step_time": {"shortest": 0.5, "foot_speed": 0.74 * speed},
         "printed": dict.fromkeys(PrintedParameters.model_fields, False),
