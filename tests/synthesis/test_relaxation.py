@@ -59,3 +59,17 @@ def test_a_step_without_a_gait_within_the_default_is_planned_and_told(planner):
     assert document["torque_rate_bound"] > found.main.default_rate
     assert largest_torque_rate(found.gait) <= document["torque_rate_bound"]
     assert "torque rates of cyclic" in document["warnings"][0]
+
+
+def test_a_relaxed_bound_goes_with_rates_that_no_round_had_looked_at(relaxation, planner, dynamic):
+    made, found = dynamic.main.gait, relaxation(Bounds())
+    largest = largest_torque_rate(made)
+    found.default = 0.1 * largest
+    assert found.accepts(0.9 * largest, True)
+    gait, steep = found.settled(made, planner.biped.names, 241)
+    assert gait.bounds["torque_rate"] == found.trans.settings.bounds.torque_rate >= largest
+    assert max(item.violation for item in steep.values()) < 0.0
+    strict = relaxation(Bounds(torque_rate=0.9 * largest))
+    kept, steep = strict.settled(made, planner.biped.names, 241)
+    assert kept is made, "a user's bound stays"
+    assert max(item.violation for item in steep.values()) > 0.0

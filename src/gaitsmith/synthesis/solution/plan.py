@@ -45,7 +45,6 @@ from gaitsmith.synthesis.solution.rate_check import (
     asked_too_fast,
     fastest,
     largest_rate,
-    rate_margins,
     too_fast,
     torque_rates_of,
     with_fast,
@@ -258,9 +257,9 @@ class Planner:
         clock = time.perf_counter()
         near, found = near_bounds(program, imposed, found, o)
         imposed = with_close(trans, checks, near)
-        gait = self._gait(trans, checks, result)
-        held = held_margins(self.biped, settings.bounds, gait, settings.dense)
-        steep = rate_margins(gait, trans.settings.bounds.torque_rate, self.biped.names, settings.dense)
+        made = self._gait(trans, checks, result)
+        held = held_margins(self.biped, settings.bounds, made, settings.dense)
+        gait, steep = relaxation.settled(made, self.biped.names, settings.dense)
         worst = ranked(held | steep | {item.constraint: item for item in certificate(trans, checks)})
         gait.certificate["claims"] = claims_hash(gait)
         gait.certificate["worst"] = [item.as_dict() for item in worst]
@@ -268,8 +267,11 @@ class Planner:
         default = relaxation.default if relaxation.relaxed else None
         result = replace(result, worst=worst, imposed=imposed, solution=found, default_rate=default)
         if held and max(item.violation for item in held.values()) > 0.0:
-            text = f"{ranked(held)[0]}, held; free it, or change its home angle"
-            return replace(result, status="not certified", reason=text)
+            return replace(
+                result, status="not certified", reason=f"{ranked(held)[0]}, held; free it, or change its home"
+            )
+        if settings.order > 4 and max(item.violation for item in steep.values()) > 0.0:
+            return replace(result, status="not certified", reason=str(ranked(steep)[0]))
         return replace(result, status="solved", gait=gait)
 
     def _examined(

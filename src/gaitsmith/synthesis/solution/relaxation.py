@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.synthesis.gaits.gait import Gait
+from gaitsmith.synthesis.gaits.worst import Worst
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.solution.ipopt import Solution
+from gaitsmith.synthesis.solution.rate_check import rate_margins
 
 Array = npt.NDArray[np.float64]
 _STEP = 1.6  # by which the bound grows where a program with it was not solved
@@ -91,6 +95,20 @@ class Relaxation:
             return False
         self._use(_ROOM * largest)
         return True
+
+    def settled(self, gait: Gait, moving: Sequence[str], count: int) -> tuple[Gait, dict[str, Worst]]:
+        """A finished gait and its worst torque rates at ``count`` instants a phase.
+
+        A relaxed bound goes with a rate that lies beyond it where the rounds did not look.
+        """
+        most = float(self.trans.settings.bounds.torque_rate)
+        steep = rate_margins(gait, most, moving, count)
+        beyond = [abs(item.value) for item in steep.values() if item.violation > 0.0 and abs(item.limit) == most]
+        if self.relaxed and beyond:
+            self._use(_ROOM * max(beyond))
+            bounds = self.trans.settings.bounds
+            return replace(gait, bounds=bounds.model_dump()), rate_margins(gait, bounds.torque_rate, moving, count)
+        return gait, steep
 
     def _use(self, most: float) -> None:
         settings = self.trans.settings
