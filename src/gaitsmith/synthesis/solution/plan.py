@@ -235,8 +235,7 @@ class Planner:
             rates = torque_rates_of(trans, self.functions, x, checks)
             times["check"] += time.perf_counter() - clock
             excess, last = worst_excess(checks), result.rounds - first >= settings.refinements
-            kept, fast = excess <= 0.0 and not rough, too_fast(trans, rates)
-            asked = asked_too_fast(trans, rates)
+            kept, fast, asked = excess <= 0.0 and not rough, too_fast(trans, rates), asked_too_fast(trans, rates)
             if kept and (
                 not (fast or relaxation.unbounded or asked)
                 or (not asked and relaxation.accepts(largest_rate(rates), last))
@@ -283,8 +282,7 @@ class Planner:
         tell: Callable[[Progress], None] | None,
     ) -> Elastic:
         """The least excess of bounds with which everything can be met, from several starts until there is none."""
-        imposed = every_bound(trans, base, CURVED)
-        whole = make_program(trans, self.functions, base, imposed)
+        whole = make_program(trans, self.functions, base, every_bound(trans, base, CURVED))
         found, spent = None, 0
         for begin in starts:
             least = solve_elastic(whole, begin, left - spent, tell)
