@@ -12,7 +12,7 @@ from gaitsmith.planned.table import COM
 from gaitsmith.simulation import run_episode
 from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.scenario import make_scenario
-from gaitsmith.synthesis import Planner, write_gait
+from gaitsmith.synthesis import write_gait
 from gaitsmith.synthesis.files.gait_file import claims_hash, gait_document, gait_of, require_robot
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.full_state import StateFinder
@@ -27,12 +27,8 @@ SPARSE, OFF = 40, 2  # instants a phase; the phase on the toe
 
 
 @pytest.fixture(scope="module")
-def tipping(planner):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("GAITSMITH_CC", "none")  # a compiler takes longer than it saves here
-        made = Planner(planner.biped.robot).suited(read_motion(EXAMPLE, planner.biped)[0])
-        assert made.functions.compiled is False
-        return made
+def tipping(suited_planner):
+    return suited_planner(EXAMPLE)
 
 
 @pytest.fixture(scope="module")

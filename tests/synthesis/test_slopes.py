@@ -11,7 +11,7 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.simulation.planned_run import completed
 from gaitsmith.simulation.terrain import Region, parse_terrain
-from gaitsmith.synthesis import Planner, write_gait
+from gaitsmith.synthesis import write_gait
 from gaitsmith.synthesis.files.gait_file import claims_hash, gait_document, gait_of
 from gaitsmith.synthesis.files.motion_file import read_motion
 from gaitsmith.synthesis.gaits.full_state import StateFinder
@@ -26,12 +26,8 @@ SPARSE = 40  # instants a phase
 
 
 @pytest.fixture(scope="module")
-def sloped(planner):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("GAITSMITH_CC", "none")  # a compiler takes longer than it saves here
-        made = Planner(planner.biped.robot).suited(read_motion(EXAMPLE, planner.biped)[0])
-        assert made.functions.compiled is False
-        return made
+def sloped(suited_planner):
+    return suited_planner(EXAMPLE)
 
 
 @pytest.fixture(scope="module")
