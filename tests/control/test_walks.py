@@ -65,7 +65,7 @@ def test_walking_in_place_stays_in_place(small: Loop) -> None:
     assert upright(columns)
 
 
-@pytest.mark.parametrize("speed", [(0.2, 0.0), (0.4, 0.0), (0.0, 0.1), (0.0, -0.1)])
+@pytest.mark.parametrize("speed", [(0.2, 0.0), (0.4, 0.0), (0.0, 0.1), (0.0, -0.1), (0.0, 0.3)])
 def test_the_commanded_speed_is_walked(small: Loop, speed: tuple[float, float]) -> None:
     """16 s: to 5 mm/s."""
     start(small)

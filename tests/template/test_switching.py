@@ -6,12 +6,16 @@ from tests.control.walking import parameters
 from tests.template.steps import some_frames
 
 from gaitsmith.robots.parameters import GaitParameters
-from gaitsmith.template.foothold import SpeedGains, make_speed_gains
+from gaitsmith.template.foothold import SpeedGains, make_foothold_gains, make_speed_gains
 from gaitsmith.template.step import WALK, GaitInputs, StepState, make_gait_inputs, make_step_state
 from gaitsmith.template.switching import begin_step, latch, switch_legs
 from gaitsmith.whole_body.frames import Frames
 
 GAINS: SpeedGains = make_speed_gains(parameters("bhr_b2").speed)
+SEPARATION = 0.06
+FOOTHOLD = make_foothold_gains(parameters("bhr_b2").foothold, 9.81, 0.7, (0.3, 0.8))._replace(
+    separation=SEPARATION, sway=1.0
+)
 OLD = GaitParameters(period=0.4, height=0.7, lift=0.1, width=0.04)
 NEW = GaitParameters(speed=(0.3, -0.1), period=0.3, alpha=0.4, height=0.6, lift=0.05, width=0.05, yaw_rate=0.2)
 
@@ -30,25 +34,37 @@ def walking(stance: int, count: int = 4) -> StepState:
 def switch(step: StepState, requested: GaitInputs, latched: GaitInputs, seed: int = 0) -> tuple[np.ndarray, Frames]:
     """Switch with a random desired state of the landed sole and random frames, which are returned."""
     desired, frames = np.random.default_rng(seed).normal(size=(3, 3)), some_frames(seed)
-    switch_legs(step, requested, latched, GAINS, 1 - int(step.stance[0]), desired, frames)
+    switch_legs(step, requested, latched, FOOTHOLD, GAINS, 1 - int(step.stance[0]), desired, frames)
     return desired, frames
 
 
 def test_latch_copies_every_parameter() -> None:
     step, requested, latched = walking(0), make_gait_inputs(NEW), make_gait_inputs(OLD)
-    latch(step, requested, latched)
+    latch(step, requested, latched, FOOTHOLD)
     assert np.array_equal(requested.values, latched.values)
     requested.period[0] = 0.5
     assert latched.period[0] == NEW.period
+
+
+def test_the_near_step_of_a_sideways_walk_clears_the_stance_sole() -> None:
+    """Every other step lands ``2 W - T |v|`` away: W grows to what the separation needs, and never without need."""
+    step, latched = walking(0), make_gait_inputs(OLD)
+    for speed, width in ((-0.3, 0.5 * (SEPARATION + 0.4 * 0.3)), (0.3, 0.5 * (SEPARATION + 0.4 * 0.3)), (0.04, 0.04)):
+        latch(step, make_gait_inputs(OLD.model_copy(update={"speed": (0.5, speed)})), latched, FOOTHOLD)
+        assert latched.width[0] == pytest.approx(width, rel=1e-12)
+    latch(step, make_gait_inputs(OLD), latched, FOOTHOLD)
+    assert latched.width[0] == OLD.width
+    latch(step, make_gait_inputs(NEW), latched, FOOTHOLD._replace(sway=0.0))
+    assert latched.width[0] == NEW.width
 
 
 def test_a_new_speed_must_settle() -> None:
     """The integral waits some steps after a change of the commanded speed, and after no other command."""
     step, latched = walking(0), make_gait_inputs(OLD)
     step.last_mean_velocity[:] = step.stride_mean[:] = 0.5  # it moves at that speed all the time
-    latch(step, make_gait_inputs(OLD.model_copy(update={"height": 0.6, "period": 0.3})), latched)
+    latch(step, make_gait_inputs(OLD.model_copy(update={"height": 0.6, "period": 0.3})), latched, FOOTHOLD)
     assert step.settling[0] == 0
-    latch(step, make_gait_inputs(NEW), latched)
+    latch(step, make_gait_inputs(NEW), latched, FOOTHOLD)
     waiting = int(step.settling[0])
     assert waiting > 0
     for k in range(waiting):

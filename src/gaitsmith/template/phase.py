@@ -46,7 +46,7 @@ def _first_stance(legs: Legs, speed: float) -> int:
 def _leave_rest(g: Template) -> None:
     """Take the first step."""
     step, frames, com = g.step, g.body.frames, g.body.state.com
-    latch(step, g.requested, g.latched)
+    latch(step, g.requested, g.latched, g.foothold)
     stance = step.stance[0]
     desired = step.foot_desired[stance]
     for axis in range(3):
@@ -127,7 +127,7 @@ def _stand(g: Template, dt: float) -> bool:
     """One tick before a walk: on both feet, or shifting the weight; True if the first step begins."""
     step, rest = g.step, g.rest
     if step.mode[0] == STAND:
-        latch(step, g.requested, g.latched)
+        latch(step, g.requested, g.latched, g.foothold)
         if step.walk_requested[0] == 0:
             step.station_kept[0] = 0
             limit = rest.height_rate * dt
@@ -141,7 +141,7 @@ def _stand(g: Template, dt: float) -> bool:
         step.mode[0] = STAND
         return False
     if rest.weight_shift == 1.0 and step.time[0] <= rest.longest_shift:
-        latch(step, g.requested, g.latched)
+        latch(step, g.requested, g.latched, g.foothold)
         swing = _escaped(g)
         if swing >= 0:
             step.stance[0] = g.body.legs.other[swing]
@@ -168,7 +168,7 @@ def advance_phase(g: Template, dt: float) -> bool:
         return False
     if event == FORCED:
         step.forced[0] += 1
-    switch_legs(step, g.requested, g.latched, g.speed, swing, step.foot_desired[swing], frames)
+    switch_legs(step, g.requested, g.latched, g.foothold, g.speed, swing, step.foot_desired[swing], frames)
     climbed = frames.sole_position[swing, 2] - frames.sole_position[g.body.legs.other[swing], 2]
     stand_on(g.ground, climbed, g.forecast.arm[2])
     if step.walk_requested[0] == 0 and event != FORCED and _may_rest(g):

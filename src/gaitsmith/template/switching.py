@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gaitsmith.compiled import Matrix, kernel
-from gaitsmith.template.foothold import SETTLING_STEPS, SpeedGains, finish_step
+from gaitsmith.template.foothold import SETTLING_STEPS, FootholdGains, SpeedGains, finish_step
 from gaitsmith.template.step import GaitInputs, StepState
 from gaitsmith.whole_body.frames import Frames
 
@@ -11,13 +11,26 @@ _SHORTEST, _LONGEST = 0.8, 1.1  # of the period; a step that a push cut short sa
 
 
 @kernel
-def latch(step: StepState, requested: GaitInputs, latched: GaitInputs) -> None:
-    """Take over the requested gait; the paper updates parameters when the legs switch (section 2.3)."""
+def latch(step: StepState, requested: GaitInputs, latched: GaitInputs, foothold: FootholdGains) -> None:
+    """Take over the requested gait; the paper updates parameters when the legs switch (section 2.3).
+
+    Going sideways, every other step lands ``2 W - T |v|`` from the stance sole. Where that is nearer than the soles may
+    come, W grows: else the bound holds back every other step, and the steps between overshoot to make up for it.
+
+    Args:
+        step: the step being taken.
+        requested: gait inputs to take over.
+        latched: overwritten.
+        foothold: gains of the preset.
+    """
     for axis in range(2):
         if requested.speed[axis] != latched.speed[axis]:
             step.settling[0] = SETTLING_STEPS
     for k in range(latched.values.shape[0]):
         latched.values[k] = requested.values[k]
+    width = latched.width[0]
+    least = min(width, 0.5 * foothold.separation) + 0.5 * latched.period[0] * abs(latched.speed[1])
+    latched.width[0] = width + foothold.sway * max(least - width, 0.0)
     step.period[0] = latched.period[0]
 
 
@@ -51,6 +64,7 @@ def switch_legs(
     step: StepState,
     requested: GaitInputs,
     latched: GaitInputs,
+    foothold: FootholdGains,
     gains: SpeedGains,
     landed: int,
     support_desired: Matrix,
@@ -62,7 +76,8 @@ def switch_legs(
         step: the step that ends.
         requested: gait inputs to take over.
         latched: gait inputs of the step; overwritten.
-        gains: of the preset.
+        foothold: gains of the preset.
+        gains: of the preset, those of the speed.
         landed: row of the leg.
         support_desired: (3, 3) desired position, velocity, acceleration (rows) of its sole.
         frames: of this tick.
@@ -78,5 +93,5 @@ def switch_legs(
         slow_x = abs(step.last_mean_velocity[0]) < gains.settled_speed
         if slow_x and abs(latched.speed[0]) + abs(latched.speed[1]) == 0.0:
             step.station_kept[0] = 1
-    latch(step, requested, latched)
+    latch(step, requested, latched, foothold)
     begin_step(step, landed, leaving, support_desired, frames)
