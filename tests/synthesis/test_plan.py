@@ -11,7 +11,8 @@ from gaitsmith.synthesis.motions.motion import At, Motion, Phase
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.program import make_program
 from gaitsmith.synthesis.program.transcription import Transcription
-from gaitsmith.synthesis.solution.ipopt import Progress
+from gaitsmith.synthesis.solution.ipopt import Progress, Solution
+from gaitsmith.synthesis.solution.sqp import solve_sqp
 
 ALLOWED = 1e-3  # share of a bound's range, between the points too
 SAME_OPTIMUM = 1e-3
@@ -73,6 +74,23 @@ def test_the_working_folder_has_no_say(planner, static, tmp_path, monkeypatch):
     start = 0.5 * static.main.x  # from a start that is given IPOPT comes first
     found = planner.plan(static.main.gait.motion, start=start)
     assert found.status == "solved", found.reason
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_a_slower_method_counts_from_the_first_step_on_unless_it_was_asked_for(planner, static, monkeypatch, given):
+    calls = []
+
+    def failing(program, start, multipliers, *more):
+        calls.append(program)
+        if not given and len(calls) == 1:
+            return Solution(start, False, "Quadratic_Program_Failed", 0, 0.0, multipliers)
+        return solve_sqp(program, start, multipliers, *more)
+
+    monkeypatch.setattr("gaitsmith.synthesis.solution.plan.solve_sqp", failing)
+    found = planner.plan(static.main.gait.motion, start=static.main.x if given else None)
+    assert found.solved, found.reason
+    assert static.main.fallbacks == 0
+    assert found.fallbacks == (0 if given else 1)
 
 
 def test_a_budget_that_is_spent_decides_nothing(planner):

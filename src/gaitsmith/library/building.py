@@ -22,6 +22,7 @@ from gaitsmith.synthesis.motions.biped import REST, Biped, standing
 from gaitsmith.synthesis.motions.catalogue import start, stop
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.proof.verify import verify
+from gaitsmith.synthesis.requests.nearby import plan_nearby
 from gaitsmith.synthesis.solution.ipopt import Solution
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 from gaitsmith.work.workers import Workers, workers
@@ -69,10 +70,8 @@ def plan_point(spec: str, point: Index, origin: str, warm: bytes) -> Done:
     """Plan one point, from a neighbour's result if there is one, else, or if that fails, from nothing."""
     made = _made(spec)
     (_, motion), settings = made.motions[point], made.spec.settings
-    found = made.planner.plan(motion, settings, neighbour=thawed(warm)) if warm else None
-    if found is None or found.gait is None:
-        origin, found = "", made.planner.plan(motion, settings)
-    return _finished(made, found, origin)
+    found, near = plan_nearby(made.planner, motion, settings, thawed(warm) if warm else None)
+    return _finished(made, found, origin if near else "")
 
 
 def plan_end(spec: str, point: Index, which: str, goal: tuple[Any, Any, Any]) -> Done:

@@ -13,6 +13,7 @@ from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
 from gaitsmith.synthesis.motions.settings import Bounds, Settings
 from gaitsmith.synthesis.proof.verify import verify
+from gaitsmith.synthesis.requests.nearby import plan_nearby
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 from gaitsmith.work.workers import workers
 
@@ -68,9 +69,7 @@ def sweep_row(robot: str, speed: float, periods: tuple[float, ...]) -> list[Cell
         if cell.reachable:
             begin = time.perf_counter()
             motion = cyclic(planner.biped, StepParameters(length, period))
-            found = planner.plan(motion, settings, neighbour=neighbour)
-            if found.gait is None and neighbour is not None:
-                found = planner.plan(motion, settings)
+            found, _ = plan_nearby(planner, motion, settings, neighbour)
             spent = time.perf_counter() - begin
             cell = replace(cell, status="failed", reason=found.reason, iterations=found.iterations, time_s=spent)
             if found.gait is not None:

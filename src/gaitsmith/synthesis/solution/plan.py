@@ -86,7 +86,7 @@ class PlanResult:
         objective: J of eq. (16).
         iterations: of all solves together.
         rounds: how often points were added.
-        fallbacks: how often a slower method had to take over.
+        fallbacks: how often a slower method took over: IPOPT, unless a ``start`` was given, or the elastic program.
         constraints: rows of the last program.
         worst: every constraint's worst value, the worst first.
         x, imposed, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
@@ -194,11 +194,11 @@ class Planner:
             clock = time.perf_counter()
             program = make_program(trans, self.functions, with_times(trans, base, imposed), imposed)
             tell = None if report is None else partial(report, result.rounds)
-            far = start is not None or examined
+            far, asked = start is not None or examined, start is not None and found is None and not examined
             left = max(settings.max_iterations - result.iterations, 1)
             most = left if far or motion.flies else min(left, _USUAL if found is None else _ANOTHER)
             easier = relaxation.imposes(imposed)
-            found, fallbacks = self._solve(program, found, x, settings, most, rough, far, easier, tell)
+            found, slower = self._solve(program, found, x, settings, most, rough, far, easier, tell)
             x = found.x
             times["setup"] += found.setup_s
             times["solve"] += time.perf_counter() - clock - found.setup_s
@@ -207,7 +207,7 @@ class Planner:
                 result,
                 objective=program.objective(z, o),
                 iterations=result.iterations + found.iterations,
-                fallbacks=result.fallbacks + fallbacks,
+                fallbacks=result.fallbacks + (slower and not asked),
                 constraints=program.rows,
                 x=x,
                 imposed=imposed,
@@ -223,7 +223,9 @@ class Planner:
                 if examined or left <= 0:
                     return replace(result, status="not decided", reason=text)
                 least = self._examined(trans, base, (usual, x), left, tell)
-                result = replace(result, iterations=result.iterations + least.iterations)
+                result = replace(
+                    result, iterations=result.iterations + least.iterations, fallbacks=result.fallbacks + 1
+                )
                 if not least.solved:
                     return replace(result, status="not decided", reason=text)
                 if least.excesses or least.unmet is not None:
@@ -305,8 +307,8 @@ class Planner:
         far: bool,
         easier: bool,
         tell: Callable[[Progress], None] | None,
-    ) -> tuple[Solution, int]:
-        """Warm from the last solution if there is one, else cold; and how often a warm start failed.
+    ) -> tuple[Solution, bool]:
+        """By quadratic programs; from afar, or where they fail, by IPOPT, and whether it was by that.
 
         ``far``: from no usual start. ``easier``: there is another program to try before a slower method.
         """
@@ -315,11 +317,11 @@ class Planner:
             multipliers = np.append(known, np.zeros(program.rows - len(known)))
             found = solve_sqp(program, x, multipliers, min(_WARM_ITERATIONS, left), rough, tell)
             if found.solved or easier or found.iterations >= left:
-                return found, 0
+                return found, False
             far, tried = far or last is not None, found.iterations
         tolerance = max(settings.tolerance, _COLD_TOLERANCE) if rough else settings.tolerance
         cold = solve_ipopt(program, x, tolerance, left - tried, tell, _FAR if far else None)
-        return replace(cold, iterations=cold.iterations + tried), int(tried > 0)
+        return replace(cold, iterations=cold.iterations + tried), True
 
     def _gait(self, trans: Transcription, checks: list[BoundCheck], result: PlanResult) -> Gait:
         """The gait in the robot's own order and world axes."""
