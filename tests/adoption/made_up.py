@@ -21,8 +21,9 @@ class MadeUp:
         reversed_joints: roles whose axes point the other way; their ranges follow.
         turned: rad, of everything about the vertical inside the root body.
         waist: joints between the root, then the upper body, and the pelvis.
-        sole: box, stilt (a box far below), trapezoid (four balls), line (one capsule), ball, wheel, paired (a box
+        sole: box, stilt (a box far below), trapezoid (four balls), line (one capsule), ball, wheel, disc, paired (a box
             that only a scene lets collide), or none.
+        ankle_ball: whether the link between the ankle's joints collides as a ball.
         toes: whether a toe joint with a shape of its own follows.
         bend: rad, of the zero pose's knees; the feet tilt with it.
         floating: whether the file has a free joint.
@@ -43,6 +44,7 @@ class MadeUp:
     turned: float = 0.0
     waist: int = 0
     sole: str = "box"
+    ankle_ball: bool = False
     toes: bool = False
     bend: float = 0.0
     floating: bool = True
@@ -129,6 +131,7 @@ class MadeUp:
                 self._joint(f"{tag}a{k}", role, side, *limits, False),
             ]
             parts += [inertia.format(z=0, m=0.3)]
+            parts += ['<geom type="sphere" size=".02" density="0"/>'] if self.ankle_ball and k == 0 else []
         parts += [self._sole(tag), self._toe(tag, side), "</body>" * (len(self.hip) + 1 + len(self.ankle))]
         return "".join(parts)
 
@@ -140,6 +143,8 @@ class MadeUp:
             return '<geom type="box" size=".09 .04 .015" pos=".03 0 -.35" density="0"/>'
         if self.sole == "wheel":
             return '<geom type="cylinder" size=".08 .02" euler="1.5707963 0 0" density="0"/>'
+        if self.sole == "disc":
+            return '<geom type="cylinder" size=".08 .01" pos=".02 0 -.05" density="0"/>'
         if self.sole == "box":
             return f'<geom type="box" size=".09 .04 .015" pos=".03 0 {-0.045 * self.scale}" density="0"/>'
         if self.sole == "line":

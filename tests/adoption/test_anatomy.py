@@ -81,6 +81,12 @@ def test_flags_name_the_feet_and_a_body_that_is_none_is_refused() -> None:
         found(MadeUp(), torso="l_shank")
 
 
+def test_a_foot_without_shapes_below_an_ankle_with_one_is_the_foot() -> None:
+    anatomy = find_anatomy(MadeUp(sole="none", ankle_ball=True).model(), "made_up.xml")
+    assert [leg.roles[-2:] for leg in anatomy.legs] == [("pitch", "roll")] * 2
+    assert not any(leg.shapes for leg in anatomy.legs)
+
+
 def test_several_pairs_of_legs_are_asked_for_and_a_single_one_is_taken() -> None:
     with pytest.raises(Asked, match="4 limbs on the ground") as caught:
         found(MadeUp(extra_legs=1))

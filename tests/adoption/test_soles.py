@@ -71,3 +71,10 @@ def test_corners_are_written_so_that_the_card_can_be_read() -> None:
     points = np.array([[-0.05, -0.03], [0.0, -0.03003], [0.1, -0.03], [0.10002, -0.02999], [0.12, 0.0], [-0.05, 0.03]])
     sole = SoleFound("polygon", points, 1, np.zeros(3), np.eye(3), "made up")
     assert len(Sole.model_validate(sole.entry()).corners) == 4
+
+
+def test_round_soles_keep_their_mirror_image() -> None:
+    anatomy = find_anatomy(MadeUp(sole="disc").model(), "made_up.xml")
+    left, right = (find_sole(leg, anatomy, "made_up.xml") for leg in anatomy.legs)
+    assert left.kind == "polygon"
+    assert {tuple(p) for p in np.round(left.points, 9)} == {(x, -y) for x, y in np.round(right.points, 9)}

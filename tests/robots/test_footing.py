@@ -11,8 +11,9 @@ from tests.robots.samples import MODELS, bhr_text, build, build_model, card_data
 from tests.robots.test_urdf import as_urdf, build_urdf
 
 from gaitsmith.errors import BadInput
+from gaitsmith.kinematics.posture import standing_posture
 from gaitsmith.robots import load_robot
-from gaitsmith.robots.footing import check_soles
+from gaitsmith.robots.footing import below_soles, check_soles
 
 
 @pytest.mark.parametrize("name", ["bhr_b2", "thbip_ii", str(MODELS / "with_arms.toml")])
@@ -72,3 +73,17 @@ def test_soles_that_collide_only_in_a_pair_with_the_ground_are_soles(tmp_path: P
     check_soles(robot)
     assert robot.model.npair == 0
     assert isinstance(robot.make_spec(), mujoco.MjSpec)
+
+
+def test_a_body_that_reaches_below_the_soles_is_named(tmp_path: Path) -> None:
+    robot = load_robot("bhr_b2")
+    gait = robot.card.gait
+    q = standing_posture(robot, gait.height, gait.width)
+    assert below_soles(robot, q) == {}
+    shank = robot.model.body(robot.model.body_parentid[robot.legs[0].sole_body]).name
+    text = bhr_text()
+    end = text.index(">", text.index(f'<body name="{shank}"')) + 1
+    ball = '<geom type="sphere" size="0.1" pos="0 0 -0.35" mass="0"/>'
+    low = below_soles(build_model(text[:end] + ball + text[end:], tmp_path), q)
+    assert list(low) == [shank]
+    assert 0.0 < low[shank] < 0.1

@@ -184,11 +184,8 @@ def _upright(model: mujoco.MjModel) -> mujoco.MjData:
 def _leg(tree: Links, path: tuple[int, ...], axes: Array) -> LegFound:
     """Roles of a path's joints; what comes after the ankle are toes."""
     model, data = tree.model, tree.data
-    roles = [ROLES[int(np.argmax(np.abs(axes.T @ data.xaxis[j])))] for j in path]
+    path, roles = _longer(tree, path, axes)
     pitches = [place for place, role in enumerate(roles) if role == "pitch"]
-    if len(pitches) < 3:
-        path, roles = _longer(tree, path, axes)
-        pitches = [place for place, role in enumerate(roles) if role == "pitch"]
     last = model.jnt_bodyid[path[-1]] if path else 0
     if len(pitches) < 3:
         raise Unfit(tree.entry, f"a limb to {tree.name(int(last))} without an ankle pitch joint")

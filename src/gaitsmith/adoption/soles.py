@@ -19,6 +19,7 @@ _POINT = 0.06  # of hip height: shorter is no sole
 _LINE = 0.02  # of hip height: narrower is a line
 _RECTANGLE = 0.97  # of its box's area
 _CORNERS = 8  # of a polygon
+_EQUAL = 1e-6  # of a polygon's area: corners that differ by less enclose the same
 _DIGITS = 4  # of lengths in m
 _TURN = 1e-3  # rad: a polygon's outline turns by more at a corner
 _UPRIGHT = float(np.cos(np.radians(0.5)))
@@ -244,7 +245,7 @@ def _classified(corners: Array, leg: LegFound, narrow: float) -> tuple[str, Arra
     if _area(corners) >= _RECTANGLE * box:
         edges = np.array([[back, right], [front, right], [front, left], [back, left]])
         return "rectangle", edges - middle, middle
-    outline = _thinned(corners)
+    outline = _thinned(corners) if leg.name != "right" else _mirrored(_thinned(_mirrored(corners)))
     ankle, centre = np.array([x, 0.0]), outline.mean(axis=0)
     steps = (ankle + share * (centre - ankle) for share in np.linspace(0.0, 1.0, 21))
     origin = next((step for step in steps if _inside(outline, step, 0.1 * (left - right))), centre)
@@ -259,11 +260,19 @@ def _inside(corners: Array, point: Array, margin: float) -> bool:
 
 
 def _thinned(corners: Array) -> Array:
-    """At most eight corners, those that enclose most."""
+    """At most eight corners, those that enclose most; of equal ones the first from the foremost on goes."""
+    corners = np.roll(corners, -int(np.lexsort(np.round(corners.T[::-1], _DIGITS))[-1]), axis=0)
+    share = _EQUAL * _area(corners)
     while len(corners) > _CORNERS:
-        losses = [_area(corners[[k - 1, k, (k + 1) % len(corners)]]) for k in range(len(corners))]
-        corners = np.delete(corners, int(np.argmin(losses)), axis=0)
+        losses = np.array([_area(corners[[k - 1, k, (k + 1) % len(corners)]]) for k in range(len(corners))])
+        corners = np.delete(corners, int(np.argmin(np.round(losses / share))), axis=0)
     return corners
+
+
+def _mirrored(corners: Array) -> Array:
+    """Left and right exchanged, counter-clockwise again."""
+    exchanged: Array = (corners * [1.0, -1.0])[::-1]
+    return exchanged
 
 
 def matched(soles: list[SoleFound], narrow: float) -> list[SoleFound]:

@@ -114,7 +114,7 @@ def _advice(adoption: Adoption) -> str:
     if not failed:
         return f"it walks: gaitsmith walk --robot {adoption.card.parent} --speed 0.1"
     return {
-        "soles": "both soles do not carry the weight: compare the picture's soles with the robot's, give --sole",
+        "soles": "the soles do not carry the weight: compare the picture's soles with the robot's shapes, give --sole",
         "standing": "it does not stand still: check masses, limits and soles in the card, then gaitsmith robots check",
         "walk": "it does not walk: a larger --search, another --seed, or docs/tuning.md",
     }[failed[0]]

@@ -25,11 +25,7 @@ def check_soles(robot: Robot, label: str = "card.toml") -> None:
     Raises:
         BadInput: naming the leg and what is missing.
     """
-    spec = robot.spec.copy()
-    plane = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0))
-    plane.contype, plane.conaffinity = GROUND, GROUND
-    with engine_errors(label, []):
-        model = spec.compile()
+    model = _on_plane(robot, label)
     data = mujoco.MjData(model)
     for leg in robot.legs:
         field = f"{label}: legs[{next(k for k in (0, 1) if robot.card.legs[k].name == leg.name)}].sole"
@@ -51,6 +47,39 @@ def check_soles(robot: Robot, label: str = "card.toml") -> None:
             side = _side(normals[int(short.argmax())])
             valid = f"a sole whose edges lie over shapes of {where}"
             raise BadInput(field, f"{1e3 * short.max():.0f} mm without a shape at the {side}", valid)
+
+
+def below_soles(robot: Robot, q: Array, label: str = "card.toml") -> dict[str, float]:
+    """Bodies that are no feet and reach into the ground in a posture, and how deep, m; the deepest first.
+
+    Args:
+        q: (nq,) posture whose soles are at height 0.
+    """
+    model = _on_plane(robot, label)
+    data = mujoco.MjData(model)
+    data.qpos[:] = q
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
+    feet = [model.body_weldid[leg.sole_body] for leg in robot.legs]
+    found: dict[str, float] = {}
+    for contact in data.contact:
+        bodies = model.geom_bodyid[contact.geom]
+        body = int(bodies.max())
+        if not bodies.min() and model.body_weldid[body] not in feet:
+            name = model.body(body).name
+            found[name] = max(found.get(name, 0.0), -contact.dist)
+    deep = {name: depth for name, depth in found.items() if depth > 0.0}
+    return dict(sorted(deep.items(), key=lambda entry: -entry[1]))
+
+
+def _on_plane(robot: Robot, label: str) -> mujoco.MjModel:
+    """The robot above a plane that collides with all of it."""
+    spec = robot.spec.copy()
+    plane = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0))
+    plane.contype, plane.conaffinity = GROUND, GROUND
+    with engine_errors(label, []):
+        return spec.compile()
 
 
 def _side(normal: Array) -> str:

@@ -71,7 +71,8 @@ def root_at(spec: mujoco.MjSpec, torso: str, entry: str, notes: list[str]) -> No
     for add, kept in ((spec.add_pair, pairs), (spec.add_exclude, excludes)):
         for values in kept:
             add(**values)
-    notes.append(f"rooted the tree at {torso}: {', '.join(path[1:])} now hang from it, by the same joints")
+    hang = f"{', '.join(path[1:])} now hang{'s' if len(path) == 2 else ''} from it, by the same joints"
+    notes.append(f"rooted the tree at {torso}: {hang}")
 
 
 def _reverse_joint(
