@@ -9,7 +9,7 @@ import pytest
 from tests.adoption.made_up import TRAPEZOID, MadeUp
 
 from gaitsmith.adoption.anatomy import find_anatomy
-from gaitsmith.adoption.soles import GivenSole, SoleFound, find_sole, measured_sole
+from gaitsmith.adoption.soles import GivenSole, SoleFound, find_sole, measured_sole, rocking
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.sole import Sole
 
@@ -48,6 +48,13 @@ def test_capsule_is_a_line() -> None:
 def test_a_foot_without_ankle_roll_has_a_line_whatever_its_shape() -> None:
     for shape in ("box", "trapezoid"):
         assert {sole.kind for sole in soles(MadeUp(ankle=("pitch",), sole=shape))} == {"line"}
+
+
+def test_wide_feet_without_ankle_roll_are_noted() -> None:
+    for made, noted in ((MadeUp(ankle=("pitch",)), ["a foot 8 cm wide"]), (MadeUp(ankle=("pitch",), sole="line"), [])):
+        anatomy = find_anatomy(made.model(), "made_up.xml")
+        notes = rocking([find_sole(leg, anatomy, "made_up.xml") for leg in anatomy.legs])
+        assert [note[:16] for note in notes] == noted
 
 
 def test_a_ball_is_refused() -> None:

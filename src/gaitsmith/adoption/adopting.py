@@ -21,7 +21,7 @@ from gaitsmith.adoption.picture import portrait_of
 from gaitsmith.adoption.refusals import Asked
 from gaitsmith.adoption.search import Found, search
 from gaitsmith.adoption.sheet import measure, reserves
-from gaitsmith.adoption.soles import GivenSole, SoleFound, find_sole, matched, measured_sole
+from gaitsmith.adoption.soles import GivenSole, SoleFound, find_sole, matched, measured_sole, rocking
 from gaitsmith.adoption.source import find_model, including
 from gaitsmith.adoption.trials import Doctor, Test, examine
 from gaitsmith.errors import BadInput
@@ -113,11 +113,14 @@ def adopt(options: AdoptOptions, progress: Progress = silent) -> Adoption:
         _narrow(draft, robot, sheet or {})
         if unlike := unlike_limits(found.model, anatomy):
             draft.remarks.append(f"note: {unlike}")
+        rocks = rocking(soles)
+        draft.remarks += [f"note: {note}" for note in rocks]
         draft.remarks += _remarks(robot, found, doctor, sheet)
         write_text_atomic(folder / _CARD, draft.text())
         robot = load_robot(folder)
         save(draw_portrait(portrait_of(robot)), folder / _PICTURE)
         document = _document(robot, name, found, anatomy, draft, [])
+        document["notes"] += rocks
         document["tests"] = {test.name: test.document() for test in doctor.tests}
         document["search"] = {"rollouts": tried.rollouts if tried else 0, "seconds": tried.seconds if tried else 0.0}
         document["sheet"] = sheet

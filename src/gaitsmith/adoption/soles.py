@@ -37,6 +37,7 @@ class SoleFound:
         position: (3,) of the frame in the world at the zero pose, m.
         axes: (3, 3) of the frame in the world at the zero pose, as columns.
         source: what it was inferred from, in words.
+        wide: width of the shapes that touch the ground where the sole is a line for want of an ankle roll joint, m.
     """
 
     kind: str
@@ -45,6 +46,7 @@ class SoleFound:
     position: Array
     axes: Array
     source: str
+    wide: float = 0.0
 
     @property
     def heel(self) -> float:
@@ -110,7 +112,9 @@ def find_sole(leg: LegFound, anatomy: Anatomy, entry: str) -> SoleFound:
     source = f"{len(touching)} points of {_count(leg.shapes)} that touch the ground"
     source += " when the foot is put down flat" if tilted else " at the zero pose"
     kind, points, shift = _classified(corners, leg, _LINE * size)
-    return SoleFound(kind, points, leg.foot, below + axes[:, :2] @ shift, axes, source)
+    across = float(np.ptp(corners[:, 1]))
+    wide = across if kind == "line" and across >= _LINE * size else 0.0
+    return SoleFound(kind, points, leg.foot, below + axes[:, :2] @ shift, axes, source, wide)
 
 
 def _is_wheel(leg: LegFound, anatomy: Anatomy) -> bool:
@@ -273,6 +277,13 @@ def _mirrored(corners: Array) -> Array:
     """Left and right exchanged, counter-clockwise again."""
     exchanged: Array = (corners * [1.0, -1.0])[::-1]
     return exchanged
+
+
+def rocking(soles: list[SoleFound]) -> list[str]:
+    """What to note of feet that are wide although no joint lets them lie flat: at most one line."""
+    width = max(sole.wide for sole in soles)
+    words = "counts as a line along its middle, but will rock on its edges"
+    return [f"a foot {100.0 * width:.2g} cm wide, without a roll joint below the knee, {words}"] if width else []
 
 
 def matched(soles: list[SoleFound], narrow: float) -> list[SoleFound]:
