@@ -1,5 +1,7 @@
 """Whatever words are given, the result is a value of the declared type or one BadInput."""
 
+import contextlib
+import re
 from typing import Annotated, Literal
 
 import pytest
@@ -7,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, Field
 
+from gaitsmith.cli import main
 from gaitsmith.cli.arguments import Arguments, Positional, overriding, parse
+from gaitsmith.cli.dispatch import COMMANDS
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 
@@ -168,3 +172,15 @@ def test_a_model_s_described_fields_are_options_that_may_be_left_out(capsys: pyt
     assert shown.index("--kind") < shown.index("--out")
     with pytest.raises(BadInput, match="did you mean --size"):
         parse(combined, ["--siz", "3"], "try")
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
+def test_every_option_that_takes_a_value_says_which(path: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    """A line of the help with an option alone on it is a switch, and a switch takes no value."""
+    with contextlib.suppress(SystemExit):
+        main([*path, "--help"])
+    shown = re.findall(r"^  (--[a-z-]+)(?:  .*)?$", capsys.readouterr().out, re.MULTILINE)
+    for option in shown:
+        with contextlib.suppress(SystemExit):
+            main([*path, f"{option}=0x"])
+        assert "expected no value" in capsys.readouterr().err, option

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from gaitsmith.cli.export import export
-from gaitsmith.cli.inputs import named_robot, planned_gait
+from gaitsmith.cli.inputs import named_robot, planned_gait, require_ending
 from gaitsmith.errors import BadInput
 
 
@@ -44,3 +44,11 @@ def test_another_robot_is_refused(
         planned_gait("gait.json", given)
     assert all(part in str(caught.value) for part in parts)
     assert given is None or "give --robot" not in str(caught.value)
+
+
+def test_a_file_is_not_named_as_another_format_s() -> None:
+    endings = {"csv": ".csv", "npz": ".npz"}
+    for out in (None, "run.csv", "run.txt", "run"):
+        require_ending(out, "--to", "csv", endings)
+    with pytest.raises(BadInput, match=r"--out: got 'run.NPZ', .* give --to npz"):
+        require_ending("run.NPZ", "--to", "csv", endings)

@@ -7,10 +7,12 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from gaitsmith.cli.interrupts import Interrupts, stop_if_heard
+from gaitsmith.files import ENDING
 
 # Sent by the program itself as soon as the first of its modules is imported: before anything heavy, then again.
 EARLY = """
@@ -89,3 +91,16 @@ def test_a_wish_that_a_compilers_callback_swallows_is_raised_again_and_shows_not
         assert interrupts.seen
         time.sleep(10.0)
     assert capsys.readouterr().err == ""
+
+
+def test_every_signal_waits_for_the_end_of_an_iteration_of_the_optimiser() -> None:
+    from gaitsmith.synthesis.solution.ipopt import _signals_kept
+
+    for number in ENDING:
+        watch = SimpleNamespace(interrupted=None)
+        with Interrupts():
+            with _signals_kept(watch):  # type: ignore[arg-type]
+                signal.raise_signal(number)
+                assert isinstance(watch.interrupted, KeyboardInterrupt)
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(number)

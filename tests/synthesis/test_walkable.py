@@ -112,7 +112,7 @@ def test_the_planned_way_is_a_stride_for_every_stride(gait, robot, plan):
 
 
 def test_what_does_not_belong_together_is_refused(gait, robot):
-    with pytest.raises(BadInput, match=r"--gait: .* the robot that the gait was planned for"):
+    with pytest.raises(BadInput, match=r"--robot: .* the robot that the gait was planned for"):
         walkable([replace(gait, robot_hash="0" * 64)], robot)
     with pytest.raises(BadInput, match=r"--gait: .* one at most"):
         walkable([gait, gait], robot)

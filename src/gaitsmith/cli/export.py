@@ -9,10 +9,12 @@ from pydantic import Field
 
 from gaitsmith.cli.arguments import Arguments, GaitFile, OwnRobot, parse
 from gaitsmith.cli.dispatch import DONE, Outcome
-from gaitsmith.cli.inputs import planned_gait
+from gaitsmith.cli.inputs import planned_gait, require_ending
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.simulation.run_folder import check_file
+
+_ENDINGS = {"csv": ".csv", "mcap": ".mcap"}
 
 
 class ExportArguments(Arguments):
@@ -31,6 +33,7 @@ class ExportArguments(Arguments):
 def export(words: list[str], program: str) -> Outcome:
     """Run the command."""
     arguments = parse(ExportArguments, words, program)
+    require_ending(arguments.out, "--format", arguments.format, _ENDINGS)
     path = check_file(arguments.out or _beside(arguments.gait, arguments.format), (arguments.gait,))
     from gaitsmith.cli.display import Display
     from gaitsmith.synthesis.files.export import export_gait

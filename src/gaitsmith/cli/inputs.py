@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from gaitsmith.errors import BadInput
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from gaitsmith.robots import Robot
     from gaitsmith.synthesis import Gait
 
@@ -35,6 +37,25 @@ def gait_units() -> dict[str, str]:
     from gaitsmith.robots.parameters import GAIT_INPUTS
 
     return {part: about.unit for name, about in GAIT_INPUTS.items() for part in about.parts or (name,)}
+
+
+def require_ending(out: str | None, flag: str, chosen: str, endings: Mapping[str, str]) -> None:
+    """Refuse a file name that ends as another format's files do.
+
+    Args:
+        out: the file; None: nothing to refuse.
+        flag: of the format.
+        chosen: the format.
+        endings: of every format's files.
+
+    Raises:
+        BadInput: naming the format that the name asks for.
+    """
+    other = next((form for form, end in endings.items() if out is not None and out.lower().endswith(end)), chosen)
+    if other != chosen:
+        raise BadInput(
+            "--out", out, f"a name that does not end in {endings[other]} for {chosen}", f"give {flag} {other}"
+        )
 
 
 def tell_old_card(robot: Robot) -> None:

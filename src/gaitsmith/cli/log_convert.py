@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, Outcome, printable
+from gaitsmith.cli.inputs import require_ending
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.simulation.run_folder import LOG, check_file
@@ -38,6 +39,7 @@ def convert(words: list[str], program: str) -> Outcome:
     arguments = parse(ConvertArguments, words, program)
     log = Path(arguments.run)
     log = log / LOG if log.is_dir() else log
+    require_ending(arguments.out, "--to", arguments.to, _ENDINGS)
     path = check_file(arguments.out or str(log.with_suffix(_ENDINGS[arguments.to])))
     from gaitsmith.cli.display import Display
     from gaitsmith.reports.log_tables import LogSource, write_csv, write_npz, write_parquet

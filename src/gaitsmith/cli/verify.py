@@ -23,7 +23,10 @@ class VerifyArguments(Arguments):
     rigorous: Annotated[bool, About("Also prove every bound for all times, not only for instants")] = False
     box: Annotated[
         str | None,
-        About("With --rigorous: errors under which stability is proved, as mass=.05,friction=.5:1,foothold=.01"),
+        About(
+            "With --rigorous: errors under which stability is proved, as mass=.05,friction=.5:1,foothold=.01",
+            metavar="NAME=ERROR,...",
+        ),
     ] = None
 
 

@@ -44,7 +44,7 @@ def walkable(gaits: Sequence[Gait], robot: Robot, cycles: int | None = None) -> 
     for gait in gaits:
         if gait.joint_names != robot.joint_names or gait.robot_hash != robot.content_hash:
             valid = f"the robot that the gait was planned for, {gait.robot[:60]} with hash {gait.robot_hash[:12]}"
-            raise BadInput("--gait", robot.card.name, valid, "plan again for this one")
+            raise BadInput("--robot", robot.card.name, valid, "plan again for this one")
     cyclic = sum(gait.motion.cyclic for gait in gaits)
     if cyclic > 1:
         raise BadInput("--gait", f"{cyclic} cyclic gaits", "one at most")

@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.files import ENDING
 from gaitsmith.synthesis.program.assembly import Assembly
 from gaitsmith.synthesis.program.program import Program
 
@@ -113,7 +114,7 @@ class _Watch(ca.Callback):
 
 @contextmanager
 def _signals_kept(watch: _Watch) -> Iterator[None]:
-    """Ctrl-C is noted and ends the solve at its next iteration: the engine is never left half-way by an exception."""
+    """Ctrl-C and the like end the solve at its next iteration: no exception leaves the engine half-way."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -121,11 +122,15 @@ def _signals_kept(watch: _Watch) -> Iterator[None]:
     def note(*_: object) -> None:
         watch.interrupted = KeyboardInterrupt()
 
-    before = signal.signal(signal.SIGINT, note)
+    before = {number: signal.getsignal(number) for number in ENDING}
+    heard = [number for number in ENDING if callable(before[number])]
+    for number in heard:
+        signal.signal(number, note)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number in heard:
+            signal.signal(number, before[number])
 
 
 def solve_ipopt(
