@@ -149,6 +149,17 @@ def test_station_keeping_walks_home(axis: int, drift: float) -> None:
     assert step.speed[1 - axis] == gait.speed[1 - axis] + step.integral[1 - axis]
 
 
+def test_the_way_home_is_as_fast_in_every_direction() -> None:
+    """Straight towards the station, never faster than the bound, however the robot is turned."""
+    gait, cast = inputs(), forecast()
+    step = a_step(gait)
+    step.station_kept[0] = 1
+    for angle in (0.3, 0.25 * math.pi, 2.0):
+        cast.drift[:] = 5.0 * math.cos(angle), 5.0 * math.sin(angle)
+        choose_speed(step, gait, SPEED, cast)
+        np.testing.assert_allclose(step.speed - gait.speed, -SPEED.station_limit * cast.drift / 5.0, atol=EXACT)
+
+
 @pytest.mark.parametrize("yaw", [-2.0, 0.5, 3.0])
 def test_foothold_does_not_depend_on_the_heading(yaw: float) -> None:
     """Turned by any angle, the robot steps to the same place in its heading frame."""
@@ -178,3 +189,14 @@ def test_the_hips_sink_for_a_foothold_out_of_the_leg_s_reach(
     way = np.array([0.0, side * gait.width[0]]) + 0.5 * gait.period[0] * np.abs(gait.speed) * np.sign([ahead, aside])
     found = landing_height(gait, law, np.add(way, (ahead, aside)), side, 0.0)
     assert found == pytest.approx(min(height, max(lowest, math.sqrt(max(leg**2 - ahead**2 - aside**2, 0.0)))))
+
+
+def test_the_leg_reaches_down_to_a_foothold_a_step_lower() -> None:
+    """Before a drop as deep as the lift, the hips sink until the leg, stretched to it, is long enough."""
+    gait = inputs(speed=(0.4, 0.0))
+    law, drop = gains()._replace(leg=0.385, lowest_hips=0.2), float(gait.lift[0])
+    foothold = np.array([0.12, gait.width[0]])
+    height = landing_height(gait, law, foothold, 1.0, drop)
+    assert math.hypot(height + drop, 0.12) == pytest.approx(0.385)
+    levels = [landing_height(gait, law, foothold, 1.0, share * drop) for share in np.linspace(0.0, 1.0, 20)]
+    assert np.all(np.diff(levels) <= 0.0)

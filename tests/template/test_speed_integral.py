@@ -60,6 +60,15 @@ def test_a_push_says_nothing_about_the_bias(walk, shares):
         assert np.abs(found).max() < ROUNDING
 
 
+def test_a_push_that_begins_at_the_end_of_a_step_is_unlearnt(walk):
+    """The little that it moved in its first step looked like a bias."""
+    speed, integrals = walk
+    course = {2: 0.05, 3: 0.5, 4: 0.2}
+    found = integrals(lambda k: np.full(2, course.get(k, 0.0)) * speed, 10)
+    assert np.abs(found[2]).max() > ROUNDING
+    assert np.abs(found[-1]).max() < ROUNDING
+
+
 def test_the_way_home_is_no_bias(walk):
     """A robot that goes home at the speed that station keeping wants learns nothing from it."""
     speed, integrals = walk

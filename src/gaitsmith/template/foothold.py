@@ -121,11 +121,10 @@ def expected_duration(step: StepState) -> float:
 @kernel
 def choose_speed(step: StepState, gait: GaitInputs, gains: SpeedGains, forecast: Forecast) -> None:
     """The speed that this step is taken for: the command, what removes its bias, and at zero command the way home."""
-    for axis in range(2):
-        step.speed[axis] = gait.speed[axis] + step.integral[axis]
-        if step.station_kept[0] == 1:
-            gain = gains.station_gain_x if axis == 0 else gains.station_gain_y
-            step.speed[axis] -= clip(gain * forecast.drift[axis], gains.station_limit)
+    home_x, home_y = gains.station_gain_x * forecast.drift[0], gains.station_gain_y * forecast.drift[1]
+    share = step.station_kept[0] * min(1.0, gains.station_limit / max(math.hypot(home_x, home_y), 1e-12))
+    step.speed[0] = gait.speed[0] + step.integral[0] - share * home_x
+    step.speed[1] = gait.speed[1] + step.integral[1] - share * home_y
 
 
 @kernel
@@ -213,12 +212,13 @@ def landing_height(gait: GaitInputs, gains: FootholdGains, foothold: Vector, sid
     """Height of the hips at touchdown, m: lower than H where the leg is too short for so far a foothold.
 
     Only what goes beyond the foothold of the commanded walk counts, so that undisturbed walking keeps its height, and
-    how far the ground there is below the stance sole: ``drop``, m.
+    how far the ground there is below the stance sole: ``drop``, m. Before a drop as deep as the lift all of it counts.
     """
     room = gains.leg * gains.leg
+    level = 1.0 - min(drop / max(gait.lift[0], 1e-6), 1.0)
     for axis in range(2):
         usual = side * gait.width[0] if axis == 1 else 0.0
-        beyond = abs(foothold[axis] - usual) - 0.5 * gait.period[0] * abs(gait.speed[axis])
+        beyond = abs(foothold[axis] - usual) - level * 0.5 * gait.period[0] * abs(gait.speed[axis])
         room -= max(beyond, 0.0) ** 2
     return min(float(gait.height[0]), max(math.sqrt(max(room, 0.0)) - drop, gains.lowest_hips))
 
@@ -237,22 +237,30 @@ def finish_step(step: StepState, gait: GaitInputs, gains: SpeedGains) -> None:
     """Update integral and station from the step that just ended (once a step, before the new gait is latched).
 
     A bias is what stays: after a stride that is much faster or slower than the one before, as after a push, nothing is
-    learnt for a while. What was aimed for is the command and the way home, so that going home is no error.
+    learnt for a while, and what the step before taught is undone: the push may have begun in it. What was aimed for is
+    the command and the way home, so that going home is no error.
     """
     ticks = step.velocity_ticks[0]
     if ticks == 0:
         return
+    settled = step.settling[0] == 0
+    for axis in range(2):
+        # Lateral sway has opposite signs on the two legs: only the mean over a stride says anything.
+        stride_mean = 0.5 * (step.velocity_sum[axis] / ticks + step.last_mean_velocity[axis])
+        if abs(stride_mean - step.stride_mean[axis]) > gains.largest_error:
+            step.settling[0] = SETTLING_STEPS
     for axis in range(2):
         mean = step.velocity_sum[axis] / ticks
         place = step.position_sum[axis] / ticks
-        # Lateral sway has opposite signs on the two legs: only the mean over a stride says anything.
         stride_mean = 0.5 * (mean + step.last_mean_velocity[axis])
         gain = gains.integral_gain_x if axis == 0 else gains.integral_gain_y
-        if abs(stride_mean - step.stride_mean[axis]) > gains.largest_error:
-            step.settling[0] = SETTLING_STEPS
+        before = step.integral[axis]
         if step.settling[0] == 0:
-            error = clip(step.speed[axis] - step.integral[axis] - stride_mean, gains.largest_error)
-            step.integral[axis] = clip(step.integral[axis] + gain * error, gains.integral_limit)
+            error = clip(step.speed[axis] - before - stride_mean, gains.largest_error)
+            step.integral[axis] = clip(before + gain * error, gains.integral_limit)
+        elif settled:
+            step.integral[axis] -= step.learnt[axis]
+        step.learnt[axis] = step.integral[axis] - before if step.settling[0] == 0 else 0.0
         step.stride_mean[axis] = stride_mean
         step.last_mean_velocity[axis] = mean
         step.velocity_sum[axis] = 0.0

@@ -66,6 +66,7 @@ class StepState(NamedTuple):
         stride_mean: (2,) mean CoM velocity of the previous stride, m/s.
         settling: (1,) steps to go before the integral learns again; a new speed is no bias.
         integral: (2,) what is added to the commanded speed so that the mean speed is the commanded one, m/s.
+        learnt: (2,) what the last step added to it, m/s.
         speed: (2,) the speed that the step is taken for: command, integral and station keeping, m/s.
         station: (2,) horizontal position to keep while the commanded speed is zero, world, m.
         station_kept: (1,) 1 once ``station`` is set.
@@ -102,6 +103,7 @@ class StepState(NamedTuple):
     stride_mean: Vector
     settling: IntVector
     integral: Vector
+    learnt: Vector
     speed: Vector
     station: Vector
     station_kept: IntVector
@@ -127,8 +129,8 @@ def make_step_state(n_soles: int, n_leg: int) -> StepState:
     """State of a robot at rest on both feet; ``n_leg`` joints a leg."""
     shapes: dict[str, tuple[int, ...]] = {
         **dict.fromkeys(StepState._fields, (1,)),
-        **dict.fromkeys(("velocity_sum", "last_mean_velocity", "stride_mean", "integral", "speed", "station"), (2,)),
-        **dict.fromkeys(("last_position", "position_sum", "foothold"), (2,)),
+        **dict.fromkeys(("velocity_sum", "last_mean_velocity", "stride_mean", "integral", "learnt"), (2,)),
+        **dict.fromkeys(("speed", "station", "last_position", "position_sum", "foothold"), (2,)),
         **dict.fromkeys(("leg_reference", "leg_rate"), (n_soles, n_leg)),
         "support_start": (3, 3),
         "swing_start": (2, 3),

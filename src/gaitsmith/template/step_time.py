@@ -55,7 +55,8 @@ def _miss(g: Template, omega: float, side: float, left: float) -> float:
             if side * (kept + arm) < gains.separation:
                 kept = side * gains.separation - arm
         cost += ((target - kept) / unit) ** 2
-        way += (kept - foot[axis] + arm - now[axis]) ** 2
+        shift = g.ground.shift[axis] if g.ground.known[0] > 0 else 0.0
+        way += (kept + shift - foot[axis] + arm - now[axis]) ** 2
     late = max(math.sqrt(way) - g.times.foot_speed * left, 0.0)
     return float(cost + (late / unit) ** 2)
 
