@@ -1,13 +1,16 @@
 """Eight neighbours of a matrix row at once, in registers: what the compiler does not find by itself.
 
-``take`` and ``put`` may reach beyond the last column: storage whose rows they read has :func:`padded` columns. Sums
-are not contracted, so that every machine finds the same ones.
+``take`` and ``put`` may reach beyond the last column: storage whose rows they read has :func:`padded` columns, and
+comes from :func:`storage`. Sums are not contracted, so that every machine finds the same ones.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from llvmlite import ir
 from numba.core import types
 from numba.extending import intrinsic, models, register_model
@@ -19,6 +22,15 @@ _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 def padded(n: int) -> int:
     """Columns of storage whose rows are read eight at a time: n, rounded up."""
     return -(-n // LANES) * LANES
+
+
+def storage(*shape: int) -> npt.NDArray[np.float64]:
+    """Zeros with padded columns, where eight neighbours never lie in two lines of the processor's cache."""
+    extents = (*shape[:-1], padded(shape[-1]))
+    line = 8 * LANES  # bytes
+    memory = np.zeros(8 * math.prod(extents) + line, dtype=np.uint8)
+    first = -memory.ctypes.data % line
+    return memory[first : first + memory.size - line].view(np.float64).reshape(extents)
 
 
 class Lanes(types.Type):
@@ -52,6 +64,18 @@ def _spread(builder: Any, share: Any) -> Any:
     first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), share, ir.Constant(ir.IntType(32), 0))
     mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
     return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), mask)
+
+
+@intrinsic
+def entry(typingctx: Any, matrix: Any, row: Any, column: Any) -> Any:
+    """One entry; unlike ``matrix[row, column]`` it is not asked whether its place is counted from the end."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, args[0])
+        width = builder.extract_value(array.shape, 1)
+        return builder.load(builder.gep(array.data, [builder.add(builder.mul(args[1], width), args[2])]))
+
+    return types.float64(matrix, types.int64, types.int64), codegen
 
 
 @intrinsic

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from gaitsmith.compiled import IntVector, Matrix, kernel
-from gaitsmith.compiled.lanes import LANES, plus, put, take, times
+from gaitsmith.compiled.lanes import LANES, entry, plus, put, take, times
 
 
 @kernel
@@ -37,7 +37,7 @@ def factor_tree(a: Matrix, parent: IntVector, l: Matrix) -> bool:  # noqa: E741
         over = 1.0 / l[k, k]
         i = parent[k]
         while i >= 0:
-            share = -l[k, i] * over
+            share = -entry(l, k, i) * over
             for c in range(0, i + 1, LANES):
                 put(l, i, c, plus(take(l, i, c), share, take(l, k, c)))
             i = parent[i]
@@ -57,18 +57,18 @@ def solve_tree(l: Matrix, parent: IntVector, b: Matrix, m: int) -> None:  # noqa
     for k in range(n - 1, -1, -1):
         i = parent[k]
         while i >= 0:
-            share = -l[k, i]
+            share = -entry(l, k, i)
             for c in range(0, m, LANES):
                 put(b, i, c, plus(take(b, i, c), share, take(b, k, c)))
             i = parent[i]
     for k in range(n):
         above = parent[k]
         for c in range(0, m, LANES):
-            x = times(take(b, k, c), l[k, k])
+            x = times(take(b, k, c), entry(l, k, k))
             if above >= 0:  # comes last: it has just been found
                 i = parent[above]
                 while i >= 0:
-                    x = plus(x, -l[k, i], take(b, i, c))
+                    x = plus(x, -entry(l, k, i), take(b, i, c))
                     i = parent[i]
-                x = plus(x, -l[k, above], take(b, above, c))
+                x = plus(x, -entry(l, k, above), take(b, above, c))
             put(b, k, c, x)

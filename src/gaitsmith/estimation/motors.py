@@ -209,14 +209,16 @@ def watch_motors(m: Motors, body: Body, g: WholeBody, sent: Vector, driven: bool
         elif m.kind[leg] != contacts.kind[leg]:
             _restart(m, body.v)
             return 0
+    beside = False
+    for j in range(nj):
+        m.torque[j] += sent[j]
+        beside = beside or sent[j] != solution.torque[j]
     for k in range(nj + 6):
         more, row = 0.0, motion.response[k]
-        for j in range(nj):
+        for j in range(nj if beside else 0):
             more += row[j] * (sent[j] - solution.torque[j])
         m.extra[k] += dt * more
         m.expected[k] += dt * solution.acceleration[k]
-    for j in range(nj):
-        m.torque[j] += sent[j]
     m.ticks[0] += 1
     if m.ticks[0] < m.window[0]:
         return 0

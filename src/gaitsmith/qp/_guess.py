@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from gaitsmith.compiled import Matrix, Vector, kernel
-from gaitsmith.compiled.lanes import LANES, none, plus, put, take, times
+from gaitsmith.compiled.lanes import LANES, entry, none, plus, put, take, times
 from gaitsmith.qp._storage import (
     DEPENDENT,
     DUAL_TOLERANCE,
@@ -74,10 +74,10 @@ def _span_product(qp: QuadraticProgram, row: int, n: int) -> float:
 
 @kernel
 def prepare(qp: QuadraticProgram) -> int:
-    """Check the limits; gather those of all constraints in LOW and HIGH and their scales in METRIC.
+    """Check the limits; gather those of all constraints in LOW and HIGH, and the bounds' scales in METRIC.
 
-    The scale of a constraint is the inverse norm of its normal in scaled units. H beside its diagonal is not looked
-    at: a guess with a number in it that is not finite is not accepted, and :func:`is_finite` tells why.
+    H beside its diagonal is not looked at, nor are the rows: a guess with a number in it that is not finite is not
+    accepted, and :func:`is_finite` tells why.
 
     Returns:
         OPTIMAL if a solve may start, else NOT_FINITE, NOT_CONVEX, or INFEASIBLE (crossed limits).
@@ -94,12 +94,6 @@ def prepare(qp: QuadraticProgram) -> int:
         poison += 0.0 * qp.gradient[i] + 0.0 * diagonal
         low[i], high[i] = qp.lower[i], qp.upper[i]
     for j in range(m):
-        first, end = qp.span[j, 0], min(qp.span[j, 1], n)
-        coefficients, units, norm = qp.rows[j, first:end], inverse[first:end], 0.0
-        for i in range(end - first):
-            norm += (coefficients[i] * units[i]) ** 2
-        poison += 0.0 * norm
-        metric[base + j] = 1.0 / np.sqrt(norm) if norm > 0.0 else 1.0
         low[base + j], high[base + j] = qp.row_lower[j], qp.row_upper[j]
     if not convex:
         return NOT_CONVEX
@@ -115,25 +109,30 @@ def prepare(qp: QuadraticProgram) -> int:
 
 
 @kernel
-def _kkt_step(qp: QuadraticProgram, free: int, held: int, first: bool) -> None:
-    """Change of the free variables (STEP) and of the active rows' multipliers (FORCE) that ends SLOPE and GAP.
+def row_scale(qp: QuadraticProgram, j: int) -> float:
+    """The inverse norm of a row's normal in scaled units, also into METRIC."""
+    first, end = qp.span[j, 0], min(qp.span[j, 1], qp.size[0])
+    coefficients, units, norm = qp.rows[j, first:end], qp.vectors[INVERSE, first:end], 0.0
+    for i in range(end - first):
+        norm += (coefficients[i] * units[i]) ** 2
+    scale = 1.0 / np.sqrt(norm) if norm > 0.0 else 1.0
+    qp.vectors[METRIC, qp.gradient.shape[0] + j] = scale
+    return float(scale)
 
-    The ``first`` one finds L⁻¹ SLOPE beside the factor.
+
+@kernel
+def _kkt_step(qp: QuadraticProgram, free: int, held: int) -> None:
+    """Change of the free variables and of the active rows' multipliers (FORCE) that ends the slope and GAP.
+
+    STEP is L⁻¹ times the slope before, and that change afterwards.
     """
     factor, schur, over = qp.squares[0], qp.schur, qp.vectors[PIVOT]
     gap, step, force = qp.vectors[GAP], qp.vectors[STEP], qp.vectors[FORCE]
-    if first:
-        for i in range(free):
-            step[i] = factor[i, free + held]
-    else:
-        _forward(factor, over, qp.vectors, SLOPE, step, free)
     for j in range(held):
-        found = gap[j]
-        if first:
-            found += qp.gram[j, held]
-        else:
-            for i in range(free):
-                found += factor[i, free + j] * step[i]
+        found = 0.0
+        for i in range(free):
+            found += factor[i, free + j] * step[i]
+        found += gap[j]
         for k in range(j):
             found -= schur[j, k] * force[k]
         force[j] = found * schur[j, j]
@@ -159,13 +158,13 @@ def _kkt_step(qp: QuadraticProgram, free: int, held: int, first: bool) -> None:
 
 @kernel
 def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
-    """Factors of H_FF = L Lᵀ and of V Vᵀ; False if one has no full rank.
+    """Factors of H_FF = L Lᵀ and of V Vᵀ; STEP becomes L⁻¹ SLOPE, which is lost. False if one has no full rank.
 
     Kept are Lᵀ without its diagonal, zero elsewhere in the eights that it reaches into, and the inverted diagonals. The
-    columns behind Lᵀ are Vᵀ = L⁻¹ A_WFᵀ and L⁻¹ SLOPE: they come with the elimination.
+    columns behind Lᵀ are Vᵀ = L⁻¹ A_WFᵀ: they come with the elimination.
     """
     variables, members, factor, over = qp.indices[0], qp.indices[1], qp.squares[0], qp.vectors[PIVOT]
-    gram, schur, slope, width = qp.gram, qp.schur, qp.vectors[SLOPE], free + held + 1
+    gram, schur, vectors, step, width = qp.gram, qp.schur, qp.vectors, qp.vectors[STEP], free + held
     for k in range(free):
         column = qp.hessian[variables[k]]
         if free == qp.size[0]:
@@ -176,7 +175,6 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
                 factor[k, i] = column[variables[i]]
         for j in range(held):
             factor[k, free + j] = qp.rows[members[j], variables[k]]
-        factor[k, free + held] = slope[k]
         for i in range(width, (width + LANES - 1) // LANES * LANES):
             factor[k, i] = 0.0
         over[k] = factor[k, k]
@@ -185,11 +183,15 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
         if not pivot > _PIVOT * over[k]:
             return False
         inverse = 1.0 / pivot
+        slope = entry(vectors, SLOPE, k)
         for c in range((k + 1) // LANES * LANES, width, LANES):
             line = times(take(factor, k, c), -inverse)
             for i in range(k + 1, min(free, c + LANES)):
-                put(factor, i, c, plus(take(factor, i, c), factor[k, i], line))
+                put(factor, i, c, plus(take(factor, i, c), entry(factor, k, i), line))
+        for c in range((k + 1) // LANES * LANES, free, LANES):
+            put(vectors, SLOPE, c, plus(take(vectors, SLOPE, c), -inverse * slope, take(factor, k, c)))
         over[k] = np.sqrt(inverse)
+        step[k] = slope * over[k]
     for k in range(free):
         for c in range(k // LANES * LANES, width, LANES):
             put(factor, k, c, times(take(factor, k, c), over[k]))
@@ -197,10 +199,10 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
         for i in range(k // LANES * LANES, k + 1):
             factor[k, i] = 0.0
     for j in range(held):
-        for c in range(0, held + 1, LANES):
+        for c in range(0, held, LANES):
             found = none()
             for k in range(free):
-                found = plus(found, factor[k, free + j], take(factor, k, free + c))
+                found = plus(found, entry(factor, k, free + j), take(factor, k, free + c))
             put(gram, j, c, found)
     for j in range(held):
         for k in range(j + 1):
@@ -246,6 +248,7 @@ def accept_guess(qp: QuadraticProgram) -> bool:
         y[k] = 0.0
         if low[k] == high[k] or (side < 0 and low[k] > -np.inf) or (side > 0 and high[k] < np.inf):
             members[held] = j
+            row_scale(qp, j)
             held += 1
     if held > free:
         return False
@@ -279,7 +282,9 @@ def accept_guess(qp: QuadraticProgram) -> bool:
             return False
         if worst <= 0.1 * DUAL_TOLERANCE * unit or attempt == 3:
             break
-        _kkt_step(qp, free, held, attempt == 0)
+        if attempt > 0:
+            _forward(qp.squares[0], vectors[PIVOT], vectors, SLOPE, step, free)
+        _kkt_step(qp, free, held)
         for i in range(free):
             x[variables[i]] += step[i]
         for k in range(held):
@@ -291,6 +296,10 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     for i in range(n + m):
         k = i if i < n else base + i - n
         value = x[k] if i < n else _span_product(qp, i - n, n)
+        if low[k] < value < high[k] and abs(value) < np.inf and active[k] == 0:
+            continue
+        if i >= n:
+            row_scale(qp, i - n)
         if not ((low[k] - value) * metric[k] <= slack and (value - high[k]) * metric[k] <= slack):
             return False
         if i < n and (low[k] == high[k] or active[k] != 0):

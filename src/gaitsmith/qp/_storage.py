@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Cube, IntMatrix, IntVector, Matrix, Vector
-from gaitsmith.compiled.lanes import padded
+from gaitsmith.compiled.lanes import storage
 from gaitsmith.errors import BadInput
 
 OPTIMAL = 0
@@ -103,9 +103,9 @@ def make_quadratic_program(n: int, m: int) -> QuadraticProgram:
         multipliers=np.zeros(n + m),
         active=np.zeros(n + m, dtype=np.int64),
         size=np.array([n, m], dtype=np.int64),
-        squares=np.zeros((3, n, padded(2 * n + 1))),
-        vectors=np.zeros((15, padded(n + m))),
+        squares=storage(3, n, 2 * n + 1),
+        vectors=storage(15, n + m),
         indices=np.zeros((3, n + m), dtype=np.int64),
-        gram=np.zeros((m, padded(n + 1))),
+        gram=storage(m, n + 1),
         schur=np.zeros((m, m)),
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from gaitsmith.compiled import kernel
 from gaitsmith.qp._dual import solve_dual
-from gaitsmith.qp._guess import accept_guess, is_finite, prepare
+from gaitsmith.qp._guess import accept_guess, is_finite, prepare, row_scale
 from gaitsmith.qp._storage import INFEASIBLE as INFEASIBLE
 from gaitsmith.qp._storage import ITERATION_LIMIT as ITERATION_LIMIT
 from gaitsmith.qp._storage import KEPT_MULTIPLIERS, KEPT_SOLUTION
@@ -65,6 +65,8 @@ def solve(qp: QuadraticProgram, iteration_limit: int) -> tuple[int, int]:
     if status != OPTIMAL:
         _clear(qp)
         return status, 0
+    for j in range(qp.size[1]):
+        row_scale(qp, j)
     status, iterations = solve_dual(qp, iteration_limit)
     if status == OPTIMAL:
         # The reduced system of the final set is better conditioned than the path that led to it.

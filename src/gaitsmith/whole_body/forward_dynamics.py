@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector, kernel
-from gaitsmith.compiled.lanes import LANES, none, padded, plus, put, take, times
+from gaitsmith.compiled.lanes import LANES, entry, none, padded, plus, put, storage, take, times
 from gaitsmith.dynamics.linear_algebra import factor_tree, solve_tree
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.whole_body.contact import WRENCH_SIZE, Contacts, transmits
@@ -38,7 +38,6 @@ class Motion(NamedTuple):
         joint_weight: (nj,) of these tasks.
         reach: (m + nj, n + 1) Y and, as the column after the last variable, A t - b.
         weighted: (m + nj, n + 1) the same times the weights.
-        cost: (n, n + 1) the QP's: H, from its diagonal on, and g.
         filled: (1,) rows so far.
         turn: (3,) a rotation's error, world axes, rad.
     """
@@ -51,7 +50,6 @@ class Motion(NamedTuple):
     joint_weight: Vector
     reach: Matrix
     weighted: Matrix
-    cost: Matrix
     filled: IntVector
     turn: Vector
 
@@ -66,7 +64,7 @@ def make_motion(nv: int, n_joints: int, n_soles: int) -> Motion:
     n, m = variable_count(n_joints, n_soles), ROWS + ROWS_OF_A_SOLE * n_soles
 
     def matrix(rows: int, columns: int) -> Matrix:
-        return np.zeros((padded(rows), padded(columns)))
+        return storage(padded(rows), columns)
 
     return Motion(
         factor=matrix(nv, nv),
@@ -77,7 +75,6 @@ def make_motion(nv: int, n_joints: int, n_soles: int) -> Motion:
         joint_weight=np.zeros(n_joints),
         reach=matrix(m + n_joints, n + 1),
         weighted=matrix(m + n_joints, n + 1),
-        cost=matrix(n, n + 1),
         filled=np.zeros(1, dtype=np.int64),
         turn=np.zeros(3),
     )
@@ -156,13 +153,13 @@ def _products(left: Matrix, turned: bool, right: Matrix, i: int, c: int, inner: 
     if turned:
         for k in range(inner):
             line = take(right, k, c)
-            a, b = plus(a, left[k, i], line), plus(b, left[k, i + 1], line)
-            d, e = plus(d, left[k, i + 2], line), plus(e, left[k, i + 3], line)
+            a, b = plus(a, entry(left, k, i), line), plus(b, entry(left, k, i + 1), line)
+            d, e = plus(d, entry(left, k, i + 2), line), plus(e, entry(left, k, i + 3), line)
     else:
         for k in range(inner):
             line = take(right, k, c)
-            a, b = plus(a, left[i, k], line), plus(b, left[i + 1, k], line)
-            d, e = plus(d, left[i + 2, k], line), plus(e, left[i + 3, k], line)
+            a, b = plus(a, entry(left, i, k), line), plus(b, entry(left, i + 1, k), line)
+            d, e = plus(d, entry(left, i + 2, k), line), plus(e, entry(left, i + 3, k), line)
     put(out, i, c, a)
     put(out, i + 1, c, b)
     put(out, i + 2, c, d)
@@ -170,39 +167,60 @@ def _products(left: Matrix, turned: bool, right: Matrix, i: int, c: int, inner: 
 
 
 @kernel
-def _reach(motion: Motion, nv: int, columns: int) -> int:
+def _last_column(motion: Motion, nv: int, n: int) -> None:
+    """A t - b of the tasks that are no joint's, where it is alone in its eight columns."""
+    rows, response, reach = motion.rows, motion.response, motion.reach
+    for i in range(0, motion.filled[0], 4):
+        a = b = d = e = 0.0
+        for k in range(nv + 1):
+            share = entry(response, k, n)
+            a, b = a + entry(rows, i, k) * share, b + entry(rows, i + 1, k) * share
+            d, e = d + entry(rows, i + 2, k) * share, e + entry(rows, i + 3, k) * share
+        reach[i, n], reach[i + 1, n], reach[i + 2, n], reach[i + 3, n] = a, b, d, e
+
+
+@kernel
+def _reach(motion: Motion, nv: int, n: int) -> int:
     """Y and its weighted rows; returns their number."""
     response, m = motion.response, motion.filled[0]
     for i in range(0, m, 4):
-        for c in range(0, columns, LANES):
+        for c in range(0, n, LANES):
             _products(motion.rows, False, response, i, c, nv + 1, motion.reach)
+    if n % LANES == 0:
+        _last_column(motion, nv, n)
     for i in range(m):
-        for c in range(0, columns, LANES):
+        for c in range(0, n, LANES):
             put(motion.weighted, i, c, times(take(motion.reach, i, c), motion.weight[i]))
     for j in range(motion.target.shape[0]):
         if motion.joint_weight[j] == 0.0:
             continue
-        for c in range(0, columns, LANES):
+        for c in range(0, n, LANES):
             line = plus(take(response, 6 + j, c), -motion.target[j], take(response, nv, c))
             put(motion.reach, m, c, line)
             put(motion.weighted, m, c, times(line, motion.joint_weight[j]))
+        if n % LANES == 0:
+            motion.reach[m, n] = response[6 + j, n] - motion.target[j]
         m += 1
     return int(m)
 
 
 @kernel
 def express_cost(motion: Motion, qp: QuadraticProgram, nv: int, n: int) -> None:
-    """Make the tasks a cost of the QP's n variables: Hessian and gradient."""
-    cost, m = motion.cost, _reach(motion, nv, n + 1)
+    """Make the tasks a cost of the QP's n variables: Hessian, whose storage is padded, and gradient."""
+    hessian, weighted, reach, m = qp.hessian, motion.weighted, motion.reach, _reach(motion, nv, n)
     for i in range(0, n, 4):
-        for c in range(i // LANES * LANES, n + 1, LANES):
-            _products(motion.weighted, True, motion.reach, i, c, m, cost)
+        for c in range(i // LANES * LANES, n, LANES):
+            _products(weighted, True, reach, i, c, m, hessian)
+    if n % LANES == 0:  # the gradient is not in the last eight columns
+        for c in range(0, n, LANES):
+            found = none()
+            for k in range(m):
+                found = plus(found, entry(reach, k, n), take(weighted, k, c))
+            put(hessian, n, c, found)
     for i in range(n):
-        qp.gradient[i] = cost[i, n]
-        for j in range(i):
-            qp.hessian[i, j] = cost[j, i]
-        for j in range(i, n):
-            qp.hessian[i, j] = cost[i, j]
+        qp.gradient[i] = hessian[n, i] if n % LANES == 0 else hessian[i, n]
+        for j in range(i + 1, n):
+            hessian[j, i] = hessian[i, j]
 
 
 @kernel

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import IntVector, Matrix, Vector
+from gaitsmith.compiled.lanes import padded, storage
 from gaitsmith.qp.quadratic_program import QuadraticProgram, make_quadratic_program
 from gaitsmith.whole_body.contact import FORCE_ROWS, ContactBounds, Contacts, make_contacts
 from gaitsmith.whole_body.forward_dynamics import Motion, make_motion, variable_count
@@ -85,6 +86,6 @@ def make_whole_body(
         contact_bounds=contact_bounds,
         joint_bounds=joint_bounds,
         motion=make_motion(nv, n_joints, n_soles),
-        program=make_quadratic_program(n, rows),
+        program=make_quadratic_program(padded(n + 1), rows)._replace(hessian=storage(padded(n + 1), n + 1)),
         solution=Solution(torque, wrench, np.zeros(nv), np.ones(1, dtype=np.int64), **counts),
     )
