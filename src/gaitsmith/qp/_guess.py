@@ -86,25 +86,24 @@ def prepare(qp: QuadraticProgram) -> int:
     metric, inverse, low, high = qp.vectors[METRIC], qp.vectors[INVERSE], qp.vectors[LOW], qp.vectors[HIGH]
     poison = 0.0
     convex = True
+    unbounded = crossed = False
     for i in range(n):
         diagonal = qp.hessian[i, i]
         convex = convex and not diagonal <= 0.0
         metric[i] = np.sqrt(diagonal)
         inverse[i] = 1.0 / metric[i]
         poison += 0.0 * qp.gradient[i] + 0.0 * diagonal
-        low[i], high[i] = qp.lower[i], qp.upper[i]
+        below, above = qp.lower[i], qp.upper[i]
+        unbounded, crossed = unbounded or not (below < np.inf and above > -np.inf), crossed or below > above
+        low[i], high[i] = below, above
     for j in range(m):
-        low[base + j], high[base + j] = qp.row_lower[j], qp.row_upper[j]
+        below, above = qp.row_lower[j], qp.row_upper[j]
+        unbounded, crossed = unbounded or not (below < np.inf and above > -np.inf), crossed or below > above
+        low[base + j], high[base + j] = below, above
     if not convex:
         return NOT_CONVEX
-    if poison != 0.0:
+    if poison != 0.0 or unbounded:
         return NOT_FINITE
-    crossed = False
-    for i in range(n + m):
-        k = i if i < n else base + i - n
-        if not (low[k] < np.inf and high[k] > -np.inf):
-            return NOT_FINITE
-        crossed = crossed or low[k] > high[k]
     return INFEASIBLE if crossed else OPTIMAL
 
 
@@ -149,8 +148,9 @@ def _kkt_step(qp: QuadraticProgram, free: int, held: int) -> None:
     for i in range(free - 1, -1, -1):
         value, more, count = step[i], 0.0, free - 1 - i
         for k in range(count // 2):  # the neighbours come last: they have just been found
-            value -= factor[i, free - 1 - 2 * k] * step[free - 1 - 2 * k]
-            more -= factor[i, free - 2 - 2 * k] * step[free - 2 - 2 * k]
+            last = free - 1 - 2 * k
+            value -= entry(factor, i, last) * entry(qp.vectors, STEP, last)
+            more -= entry(factor, i, last - 1) * entry(qp.vectors, STEP, last - 1)
         if count % 2 == 1:
             value -= factor[i, i + 1] * step[i + 1]
         step[i] = (value + more) * over[i]
@@ -160,19 +160,21 @@ def _kkt_step(qp: QuadraticProgram, free: int, held: int) -> None:
 def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
     """Factors of H_FF = L Lᵀ and of V Vᵀ; STEP becomes L⁻¹ SLOPE, which is lost. False if one has no full rank.
 
-    Kept are Lᵀ without its diagonal, zero elsewhere in the eights that it reaches into, and the inverted diagonals. The
-    columns behind Lᵀ are Vᵀ = L⁻¹ A_WFᵀ: they come with the elimination.
+    Kept are Lᵀ without its diagonal, with nothing of use in front of it, and the inverted diagonals. The columns behind
+    Lᵀ are Vᵀ = L⁻¹ A_WFᵀ: they come with the elimination.
     """
     variables, members, factor, over = qp.indices[0], qp.indices[1], qp.squares[0], qp.vectors[PIVOT]
     gram, schur, vectors, step, width = qp.gram, qp.schur, qp.vectors, qp.vectors[STEP], free + held
     for k in range(free):
-        column = qp.hessian[variables[k]]
+        first = k // LANES * LANES
+        column, line, which = qp.hessian[variables[k]], factor[k, first:free], variables[first:free]
         if free == qp.size[0]:
-            for i in range(k, free):
-                factor[k, i] = column[i]
+            column = column[first:free]
+            for i in range(free - first):
+                line[i] = column[i]
         else:
-            for i in range(k, free):
-                factor[k, i] = column[variables[i]]
+            for i in range(free - first):
+                line[i] = column[which[i]]
         for j in range(held):
             factor[k, free + j] = qp.rows[members[j], variables[k]]
         for i in range(width, (width + LANES - 1) // LANES * LANES):
@@ -195,9 +197,6 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
     for k in range(free):
         for c in range(k // LANES * LANES, width, LANES):
             put(factor, k, c, times(take(factor, k, c), over[k]))
-    for k in range(free):
-        for i in range(k // LANES * LANES, k + 1):
-            factor[k, i] = 0.0
     for j in range(held):
         for c in range(0, held, LANES):
             found = none()
@@ -216,6 +215,15 @@ def _factorise(qp: QuadraticProgram, free: int, held: int) -> bool:
                     return False
                 schur[j, j] = 1.0 / np.sqrt(rest)
     return True
+
+
+@kernel
+def _holds(vectors: Matrix, k: int, value: float, multiplier: float, side: int, unit: float) -> bool:
+    """Whether constraint k is met and its multiplier has the right sign."""
+    low, high, metric, slack = vectors[LOW, k], vectors[HIGH, k], vectors[METRIC, k], PRIMAL_TOLERANCE * unit
+    if not ((low - value) * metric <= slack and (value - high) * metric <= slack):
+        return False
+    return not (low < high and side * multiplier > SIGN_TOLERANCE * unit * metric)
 
 
 @kernel
@@ -292,18 +300,18 @@ def accept_guess(qp: QuadraticProgram) -> bool:
     if poison != 0.0 or not worst <= DUAL_TOLERANCE * unit:
         return False
 
-    slack = PRIMAL_TOLERANCE * unit
-    for i in range(n + m):
-        k = i if i < n else base + i - n
-        value = x[k] if i < n else _span_product(qp, i - n, n)
+    for i in range(n):
+        if low[i] == high[i] or active[i] != 0:
+            y[i] = full[i]
+        elif low[i] < x[i] < high[i] and abs(x[i]) < np.inf:
+            continue
+        if not _holds(vectors, i, x[i], y[i], active[i], unit):
+            return False
+    for j in range(m):
+        k, value = base + j, _span_product(qp, j, n)
         if low[k] < value < high[k] and abs(value) < np.inf and active[k] == 0:
             continue
-        if i >= n:
-            row_scale(qp, i - n)
-        if not ((low[k] - value) * metric[k] <= slack and (value - high[k]) * metric[k] <= slack):
-            return False
-        if i < n and (low[k] == high[k] or active[k] != 0):
-            y[k] = full[k]
-        if low[k] < high[k] and active[k] * y[k] > SIGN_TOLERANCE * unit * metric[k]:
+        row_scale(qp, j)
+        if not _holds(vectors, k, value, y[k], active[k], unit):
             return False
     return True

@@ -218,9 +218,10 @@ def express_cost(motion: Motion, qp: QuadraticProgram, nv: int, n: int) -> None:
                 found = plus(found, entry(reach, k, n), take(weighted, k, c))
             put(hessian, n, c, found)
     for i in range(n):
-        qp.gradient[i] = hessian[n, i] if n % LANES == 0 else hessian[i, n]
-        for j in range(i + 1, n):
-            hessian[j, i] = hessian[i, j]
+        qp.gradient[i] = entry(hessian, n, i) if n % LANES == 0 else entry(hessian, i, n)
+        line = hessian[i]
+        for j in range(i):
+            line[j] = entry(hessian, j, i)
 
 
 @kernel
