@@ -59,6 +59,7 @@ def test_standing_holds_the_heading() -> None:
 def test_walking_turns_the_heading_by_the_rate(rate: float) -> None:
     held = Held("thbip_ii")
     held.controller.command(yaw_rate=rate)
+    held.tick()
     held.controller.walk()
     held.stance_only()
     start = held.controller.telemetry.heading[0]
