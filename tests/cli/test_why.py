@@ -48,3 +48,10 @@ def test_a_fault_that_does_not_exist_is_one_line() -> None:
     assert code == 2
     assert error.startswith("gaitsmith: faults[0]: component: got 'nose'")
     assert error.count("\n") == 1
+
+
+def test_a_folder_without_a_run_is_named_as_such(tmp_path: Path) -> None:
+    code, _, error = run("why", str(tmp_path))
+    assert code == 2
+    assert error.startswith("gaitsmith: RUN: got ")
+    assert error.count("\n") == 1

@@ -1,11 +1,14 @@
 """Gaits mixed: at a point of the grid they are its gait, between the points nothing jumps."""
 
 import itertools
+import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from gaitsmith.errors import BadInput
+from gaitsmith.library.family import Family
 from gaitsmith.planned.evaluate import evaluate, make_plan_sample
 from gaitsmith.planned.table import COM, PER_SOLE, SOLES
 from gaitsmith.robots import load_robot
@@ -96,6 +99,18 @@ def test_weights_are_multilinear_and_sum_to_one(family):
 def test_outside_of_the_grid_the_error_says_what_it_holds(family):
     with pytest.raises(BadInput, match=r"speed.*0\.2 to 0\.3"):
         family.weights({"speed": 0.4, "period": 0.65})
+
+
+def test_an_axis_of_one_value_holds_that_value_alone():
+    spec = SimpleNamespace(axes=((0.15,), (math.nan,), (1.0,)))
+    one = SimpleNamespace(spec=spec, certified=lambda point: True)
+    assert Family.weights(one, {"speed": 0.15, "period": 1.0}) == {(0, 0, 0): 1.0}
+    for inputs, valid in (
+        ({"speed": 0.2}, "speed: .* 0.15, what"),
+        ({"speed": 0.15, "period": 0.9}, "period: .* 1, what"),
+    ):
+        with pytest.raises(BadInput, match=valid):
+            Family.weights(one, inputs)
 
 
 def test_beside_a_gait_that_could_not_be_planned_there_is_no_mix(family, monkeypatch):

@@ -13,7 +13,15 @@ from gaitsmith.cli.walk_report import report
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import uninterrupted, write_text_atomic
-from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, NewFolder, check_new_folder, scenario_toml, write_summary
+from gaitsmith.simulation.run_folder import (
+    FIGURE_ROWS,
+    LOG,
+    SCENARIO,
+    NewFolder,
+    check_new_folder,
+    scenario_toml,
+    write_summary,
+)
 from gaitsmith.simulation.scenario import Scenario, load_scenario, make_scenario
 
 if TYPE_CHECKING:
@@ -106,7 +114,7 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
             simulation = Simulation(scenario, record=made.log if made else False)
             tell_old_card(simulation.robot)
             if made is not None:
-                write_text_atomic(made.path / "scenario.toml", scenario_toml(_portable(scenario)))
+                write_text_atomic(made.path / SCENARIO, scenario_toml(_portable(scenario)))
             name, end = f"walking {simulation.robot.card.name}", scenario.duration
             tell = lambda time: display.show(name, f"{time:.1f} of {end:g} s", time, end)  # noqa: E731
             return simulation, simulation.run(tell)

@@ -10,7 +10,7 @@ from gaitsmith.cli.dispatch import DONE, Outcome, Table
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded
-from gaitsmith.simulation.run_folder import SUMMARY, write_summary
+from gaitsmith.simulation.run_folder import SCENARIO, SUMMARY, write_summary
 from gaitsmith.simulation.scenario import load_scenario
 
 if TYPE_CHECKING:
@@ -36,7 +36,9 @@ def why(words: list[str], program: str) -> Outcome:
     arguments = parse(WhyArguments, words, program)
     path = Path(arguments.run)
     folder = path if path.is_dir() else None
-    scenario = load_scenario(path / "scenario.toml" if folder else arguments.run)
+    if folder is not None and not (folder / SCENARIO).is_file():
+        raise BadInput("RUN", arguments.run, f"a folder with a {SCENARIO}, as gaitsmith walk --out writes it")
+    scenario = load_scenario(path / SCENARIO if folder else arguments.run)
     from gaitsmith.cli.display import Display
     from gaitsmith.simulation.replay import why as replayed
 

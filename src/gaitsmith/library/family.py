@@ -10,6 +10,7 @@ acceleration go on evenly. While all soles stand, λ stays, as footholds do.
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -169,12 +170,14 @@ class Family:
         """
         pairs = []
         for name, axis in zip(AXES, self.spec.axes, strict=True):
+            low, high = axis[0], axis[-1]
+            value = low if math.isnan(low) else inputs.get(_NAMES[name], low)
+            if not math.isnan(low) and not low - 1e-9 <= value <= high + 1e-9:
+                held = f"{low:g}" if len(axis) == 1 else f"{low:g} to {high:g}"
+                raise BadInput(_NAMES[name], value, f"{held}, what the library holds")
             if len(axis) == 1:
                 pairs.append([(0, 1.0)])
                 continue
-            value, low, high = inputs[_NAMES[name]], axis[0], axis[-1]
-            if not low - 1e-9 <= value <= high + 1e-9:
-                raise BadInput(_NAMES[name], value, f"{low:g} to {high:g}, what the library holds")
             k = min(max(int(np.searchsorted(axis, value, side="right")) - 1, 0), len(axis) - 2)
             share = min(max((value - axis[k]) / (axis[k + 1] - axis[k]), 0.0), 1.0)
             pairs.append([(k, 1.0 - share), (k + 1, share)])

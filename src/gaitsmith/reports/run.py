@@ -14,7 +14,7 @@ from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation.episode import Simulation
 from gaitsmith.simulation.loop import Observer
 from gaitsmith.simulation.recovery import summary_of
-from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, SUMMARY, NewFolder, scenario_toml, write_summary
+from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, SCENARIO, SUMMARY, NewFolder, scenario_toml, write_summary
 from gaitsmith.simulation.scenario import Scenario, load_scenario
 from gaitsmith.simulation.summary import Summary
 from gaitsmith.view import Recording
@@ -59,7 +59,7 @@ def open_run(name: str | Path) -> Run:
     log = read_log(folder / LOG, last=FIGURE_ROWS)
     if len(log.rows) < 2:
         raise BadInput(str(folder / LOG), f"{len(log.rows)} rows", "the log of a run that has begun")
-    scenario = load_scenario(folder / "scenario.toml")
+    scenario = load_scenario(folder / SCENARIO)
     robot = load_robot(scenario.robot)
     if log.notes.get("robot_hash") not in (None, robot.content_hash):
         notes.append("the robot's files have changed since the run; limits and shapes are those of today")
@@ -96,7 +96,7 @@ def make_run(
     """
     made = NewFolder(folder)
     simulation = Simulation(scenario, record=made.log)
-    write_text_atomic(folder / "scenario.toml", scenario_toml(scenario))
+    write_text_atomic(folder / SCENARIO, scenario_toml(scenario))
     if watch is not None:
         simulation.watch(watch(simulation))
     episode = simulation.run(tell)

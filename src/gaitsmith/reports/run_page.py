@@ -6,7 +6,7 @@ import shlex
 
 from gaitsmith.reports.page import Page
 from gaitsmith.reports.run import Run
-from gaitsmith.simulation.run_folder import scenario_toml
+from gaitsmith.simulation.run_folder import SCENARIO, scenario_toml
 from gaitsmith.simulation.stage_table import STAGE_HEADINGS, run_lines, stage_row
 from gaitsmith.simulation.summary import Summary
 from gaitsmith.view import suitable
@@ -45,7 +45,7 @@ def run_page(run: Run, figures: bool = True) -> str:
             page.figure(draw(run.recording), (draw.__doc__ or "").strip().split("\n")[0])
     page.heading("Again")
     page.text(f"The same run, from the same seed ({summary.seed}), gives the same result:")
-    page.code(f"gaitsmith walk {shlex.quote(str(run.folder.resolve() / 'scenario.toml'))} --out NEW_FOLDER")
+    page.code(f"gaitsmith walk {shlex.quote(str(run.folder.resolve() / SCENARIO))} --out NEW_FOLDER")
     page.versions()
     return page.render()
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from gaitsmith.robots import Robot
     from gaitsmith.simulation import Scenario, Summary
 
-LOG, SUMMARY = "log.mcap", "summary.json"
+LOG, SUMMARY, SCENARIO = "log.mcap", "summary.json", "scenario.toml"
 FIGURE_ROWS = 150_000
 """Rows that figures are drawn from, at most; ten minutes of a run."""
 _NEW = "a folder that does not exist yet"
