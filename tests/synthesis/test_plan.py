@@ -80,11 +80,11 @@ def test_the_working_folder_has_no_say(planner, static, tmp_path, monkeypatch):
 def test_a_slower_method_counts_from_the_first_step_on_unless_it_was_asked_for(planner, static, monkeypatch, given):
     calls = []
 
-    def failing(program, start, multipliers, *more):
+    def failing(program, start, last, *more):
         calls.append(program)
         if not given and len(calls) == 1:
-            return Solution(start, False, "Quadratic_Program_Failed", 0, 0.0, multipliers)
-        return solve_sqp(program, start, multipliers, *more)
+            return Solution(start, False, "Quadratic_Program_Failed", 0, 0.0, np.zeros(program.rows))
+        return solve_sqp(program, start, last, *more)
 
     monkeypatch.setattr("gaitsmith.synthesis.solution.plan.solve_sqp", failing)
     found = planner.plan(static.main.gait.motion, start=static.main.x if given else None)

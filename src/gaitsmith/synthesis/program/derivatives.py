@@ -55,7 +55,9 @@ class Derivatives:
         ends = np.arange(count * layout.outputs + 1) * width
         columns = np.repeat(np.minimum(self._columns, size - 1), layout.outputs, axis=0).ravel()
         self._moved = sp.csr_matrix((np.zeros(len(columns)), columns, ends), shape=(count * layout.outputs, size))
-        self._pairs = (self._columns[:, :, None] * (size + 1) + self._columns[:, None, :]).ravel()
+        order = np.argsort(program.points.section, kind="stable")
+        borders = np.flatnonzero(np.diff(program.points.section[order])) + 1
+        self._sections = np.split(order, borders)  # points of a section depend on the same unknowns
         self._groups = self._rate_groups()
         self._x = np.full(size, np.nan)
 
@@ -117,13 +119,20 @@ class Derivatives:
         self._see(x)
         program, size = self.program, self.program.size
         on = share * self._on_outputs() + program.outputs.T @ np.broadcast_to(multipliers, program.rows)
-        values = self._called("hessian", on.reshape(self._o.shape).T, self._weight[None])[0]
-        curved = self._dense("hessian", values)
+        on = on.reshape(self._o.shape)
+        used = (self._weight != 0.0) | (on != 0.0).any(axis=1)
+        chosen = np.flatnonzero(used)  # points that only rows without multipliers look at bend nothing
+        curved = self._dense("hessian", self._called("hessian", chosen, on, self._weight[:, None])[0])
         axis = np.arange(curved.shape[1])
-        curved[:, axis, axis] += self._effort
-        blocks = self._local.transpose(0, 2, 1) @ (curved @ self._local)
-        found = np.asarray(np.bincount(self._pairs, blocks.ravel(), (size + 1) ** 2), dtype=np.float64)
-        found = found.reshape(size + 1, size + 1)
+        curved[:, axis, axis] += self._effort[chosen]
+        place, found = np.cumsum(used) - 1, np.zeros((size + 1, size + 1))
+        for points in self._sections:
+            points = points[used[points]]
+            if len(points):
+                local, columns = self._local[points], self._columns[points[0]]
+                width = local.shape[2]
+                block = local.reshape(-1, width).T @ (curved[place[points]] @ local).reshape(-1, width)
+                found[columns[:, None], columns] += block
         moved = self._moved.data.reshape(-1, self._local.shape[2])
         for item in self._groups:
             torque = np.zeros((len(item.outs), len(item.unknowns)))
@@ -140,7 +149,7 @@ class Derivatives:
             return
         self._x = x.copy()
         self._z = (self.program.inputs @ x).reshape(self.program.points.count, -1)
-        self._o, values = self._called("jacobian")
+        self._o, values = self._called("jacobian", np.arange(len(self._z)))
         self._moved.data = (self._dense("jacobian", values) @ self._local).ravel()
 
     def _dense(self, kind: str, values: Array) -> Array:
@@ -157,13 +166,13 @@ class Derivatives:
         rates = program.smooth.T @ (program.smooth @ o)
         return np.asarray(self._torque.ravel() * o + 2.0 * program.scale * rates)
 
-    def _called(self, kind: str, *more: Array) -> list[Array]:
-        """A function's outputs at all points, (K, nonzeros) each."""
-        program, found, first = self.program, [], 0
-        for side, count in enumerate(program.groups):
-            if count:
-                part = slice(first, first + count)
-                given = [a[:, part].T.ravel() for a in (self._z.T, program.pivots, *more)]
-                found.append([a.reshape(count, -1).copy() for a in program.functions.called(kind, count, side, given)])
-            first += count
+    def _called(self, kind: str, chosen: Indices, *more: Array) -> list[Array]:
+        """A function's outputs at chosen points, (len(chosen), nonzeros) each; ``more`` (K, ...) of all points."""
+        program, found = self.program, []
+        first = int(np.searchsorted(chosen, program.groups[0]))
+        for side, part in enumerate((chosen[:first], chosen[first:])):
+            if len(part):
+                given = [a[part].ravel() for a in (self._z, program.pivots.T, *more)]
+                outputs = program.functions.called(kind, len(part), side, given)
+                found.append([a.reshape(len(part), -1).copy() for a in outputs])
         return [np.vstack(parts) for parts in zip(*found, strict=True)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,13 +14,12 @@ from gaitsmith.synthesis.point.functions import PointFunctions
 from gaitsmith.synthesis.program.boundary import closure_rows, condition_rows, passive_rows, wrench_rows
 from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.cones import cone_rows, is_cone
-from gaitsmith.synthesis.program.rates import is_rate, rate_form, rate_label
-from gaitsmith.synthesis.program.rows import BoundRow, Entries, Label, Rows, bound_row, stacked, tightened
+from gaitsmith.synthesis.program.rates import rate_form, rate_label, steepest
+from gaitsmith.synthesis.program.rows import Entries, Label, Labels, Rows, bound_label, tightened
 from gaitsmith.synthesis.program.smoothness import torque_rates
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
-_NOTHING = np.zeros(0, dtype=np.int64), np.zeros(0)
 _SCALE = 9.5  # of the objective in units of the robot's weight, leg and the time in which it falls over
 CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
 SELDOM = (Kind.TORQUE, *CURVED)  # imposed only where the dense grid asks for it
@@ -55,7 +55,7 @@ class Program:
     linear: sp.csr_matrix
     low: Array
     high: Array
-    labels: list[Label]
+    labels: Sequence[Label]
     torque_weight: Array
     effort: Array
     smooth: sp.csr_matrix
@@ -129,42 +129,37 @@ def make_program(
     inputs = trans.input_map(points)
     if imposed is None:
         imposed = every_bound(trans, points)
-    layout, first, where = trans.layout, len(fixed.low), points.places()
-    rows, places, rates = [], [], []
-    times = np.array([item.time for item in imposed])
-    shares = trans.share(np.array([item.phase for item in imposed], dtype=np.int64), times).tolist()
-    for number, (item, share) in enumerate(zip(imposed, shares, strict=True)):
-        if is_rate(trans, item.phase, item.bound):
-            keys, weights = rate_form(trans, item.phase, item.time)
-            label = rate_label(trans, item.phase, item.bound, item.time)
-            torque = layout.torque + item.bound - len(trans.bounds[item.phase])
-            columns = np.array([where[key] for key in keys]) * layout.outputs + torque
-            rates.append((np.full(len(keys), first + number), columns, weights / label.span))
-            rows.append(BoundRow(-0.5, 0.5, label, _NOTHING, _NOTHING))
-            places.append(0)
-            continue
-        key = item.phase, item.bound, item.time
-        row = trans.rows.get(key)
-        if row is None:
-            row = trans.rows[key] = bound_row(trans.bounds[item.phase][item.bound], item.phase, item.time, share)
-        rows.append(row)
-        places.append(where[item.phase, round(item.time, 9)])
-    low, high = tightened(
-        np.array([row.low for row in rows]),
-        np.array([row.high for row in rows]),
-        np.array([item.tighten for item in imposed]),
-    )
-    at = np.array(places, dtype=np.int64)
-    shape, (out, lin, inp) = (first + len(rows), points.count * layout.outputs), fixed.entries
+    layout, first, table = trans.layout, len(fixed.low), trans.rows
+    phase, bound = (np.array([getattr(item, name) for item in imposed], np.int64) for name in ("phase", "bound"))
+    time, tighten = (np.array([getattr(item, name) for item in imposed], np.float64) for name in ("time", "tighten"))
+    steep = bound >= np.diff(table.first)[phase]
+    plain = np.flatnonzero(~steep)
+    number, low, high = (table.first[phase] + bound)[plain], np.full(len(imposed), -0.5), np.full(len(imposed), 0.5)
+    low[steep], high[steep] = tightened(low[steep], high[steep], tighten[steep])
+    low[plain], high[plain] = table.limits(number, trans.share(phase[plain], time[plain]), tighten[plain])
+    spans = [2.0 * steepest(trans, index) for index in range(len(trans.bounds))]
+    rates, where = [], points.places() if steep.any() else {}
+    for row in np.flatnonzero(steep).tolist():
+        item = imposed[row]
+        keys, weights = rate_form(trans, item.phase, item.time)
+        torque = layout.torque + item.bound - len(trans.bounds[item.phase])
+        columns = np.array([where[key] for key in keys]) * layout.outputs + torque
+        rates.append((np.full(len(keys), first + row), columns, weights / spans[item.phase]))
+
+    def label(row: int) -> Label:
+        item = imposed[row]
+        if steep[row]:
+            return rate_label(trans, item.phase, item.bound, item.time, spans[item.phase])
+        return bound_label(trans.bounds[item.phase][item.bound], item.phase, item.time)
+
+    shape, (out, lin, inp) = (first + len(imposed), points.count * layout.outputs), fixed.entries
     own, on_inputs = (
         (entries[0], position[entries[1] // width] * width + entries[1] % width, entries[2])
         for entries, width in ((out, layout.outputs), (inp, layout.inputs))
     )
-    c = _matrix([own, stacked([row.out for row in rows], first, at * layout.outputs), *rates], shape)
-    by_input = _matrix(
-        [on_inputs, stacked([row.inp for row in rows], first, at * layout.inputs)],
-        (shape[0], points.count * layout.inputs),
-    )
+    on_points = table.entries(number, first + plain, points.find(phase[plain], time[plain]), layout)
+    c = _matrix([own, on_points[0], *rates], shape)
+    by_input = _matrix([on_inputs, on_points[1]], (shape[0], points.count * layout.inputs))
     d = sp.csr_matrix(_matrix([lin], (shape[0], trans.size)) + by_input @ inputs)
     torque_weight = _torque_weights(trans, points)
     rates = torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time)
@@ -178,7 +173,7 @@ def make_program(
         linear=d,
         low=np.concatenate([fixed.low, low]),
         high=np.concatenate([fixed.high, high]),
-        labels=[*fixed.labels, *(row.label for row in rows)],
+        labels=Labels(fixed.labels, len(imposed), label),
         torque_weight=torque_weight,
         effort=_efforts(trans),
         smooth=sp.csr_matrix(sp.vstack([rates, _heavier(trans, points, torque_weight)])),

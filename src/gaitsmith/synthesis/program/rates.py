@@ -25,10 +25,10 @@ def rate_name(trans: Transcription, phase: int, local: int) -> str:
     return f"{biped.names[int(joint)]} torque rate"
 
 
-def rate_label(trans: Transcription, phase: int, bound: int, time: float) -> Label:
+def rate_label(trans: Transcription, phase: int, bound: int, time: float, span: float) -> Label:
     """What the row of a rate's bound says."""
     name = rate_name(trans, phase, bound - len(trans.bounds[phase]))
-    return Label(name, UNIT, phase, time, 2.0 * steepest(trans, phase), kind=Kind.TORQUE)
+    return Label(name, UNIT, phase, time, span, kind=Kind.TORQUE)
 
 
 def steepest(trans: Transcription, phase: int) -> float:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import overload
 
 import numpy as np
 import numpy.typing as npt
@@ -93,13 +95,13 @@ class Rows:
         self, bound: PhaseBound, phase: int, time: float, point: int, share: float, tighten: float = 0.0
     ) -> None:
         """Append a bound at a point, divided by its span; ``share``: normalised time; ``tighten``: part of the span."""
-        row = bound_row(bound, phase, time, share)
-        low, high = tightened(np.array([row.low]), np.array([row.high]), np.array([tighten]))
+        own, none = BoundRows([[bound]]), np.zeros(1, dtype=np.int64)
+        low, high = own.limits(none, np.array([share]), np.array([tighten]))
         out, inp = (
-            dict(zip((first + index).tolist(), value.tolist(), strict=True))
-            for (index, value), first in ((row.out, point * self.layout.outputs), (row.inp, point * self.layout.inputs))
+            dict(zip(index.tolist(), value.tolist(), strict=True))
+            for _, index, value in own.entries(none, none, np.array([point]), self.layout)
         )
-        self.add(row.label, float(low[0]), float(high[0]), out, inp=inp)
+        self.add(bound_label(bound, phase, time), float(low[0]), float(high[0]), out, inp=inp)
 
     @cached_property
     def entries(self) -> list[Entries]:
@@ -108,26 +110,87 @@ class Rows:
         return [(row.astype(np.int64), index.astype(np.int64), value) for row, index, value in arrays]
 
 
-@dataclass(frozen=True, eq=False)
-class BoundRow:
-    """A bound's row at an instant, without its point: kept from one program to the next."""
+class Labels(Sequence[Label]):
+    """Labels of a program's rows, made when they are asked for: few ever are.
 
-    low: float
-    high: float
-    label: Label
-    out: tuple[Indices, Array]
-    inp: tuple[Indices, Array]
+    Args:
+        first: of the first rows.
+        count: how many follow.
+        make: the label of one of these.
+    """
+
+    def __init__(self, first: list[Label], count: int, make: Callable[[int], Label]) -> None:
+        self._first, self._count, self._make = first, count, make
+
+    def __len__(self) -> int:
+        return len(self._first) + self._count
+
+    @overload
+    def __getitem__(self, row: int) -> Label: ...
+
+    @overload
+    def __getitem__(self, row: slice) -> list[Label]: ...
+
+    def __getitem__(self, row: int | slice) -> Label | list[Label]:
+        if isinstance(row, slice):
+            return [self[k] for k in range(*row.indices(len(self)))]
+        place = range(len(self))[row] - len(self._first)
+        return self._make(place) if place >= 0 else self._first[place]
 
 
-def bound_row(bound: PhaseBound, phase: int, time: float, share: float) -> BoundRow:
-    """The row of a bound at a time, divided by its span; ``share``: normalised time."""
-    constant = bound.constant if not bound.rise else float(bound.offset(np.array(share)))
-    low, high = ((limit - constant) / bound.span for limit in (bound.low, bound.high))
-    out, inp = (
-        (np.array(list(form), dtype=np.int64), np.array(list(form.values()), dtype=np.float64) / bound.span)
-        for form in (bound.out, bound.inp)
-    )
-    return BoundRow(low, high, bound_label(bound, phase, time), out, inp)
+class BoundRows:
+    """The rows of all bounds of all phases, divided by their spans, without instants and points.
+
+    Args:
+        phases: every phase's bounds.
+    """
+
+    def __init__(self, phases: list[list[PhaseBound]]) -> None:
+        every = [bound for bounds in phases for bound in bounds]
+        self._bounds = every
+        self.first = np.cumsum([0] + [len(bounds) for bounds in phases])
+        """(phases + 1,) number of a phase's first bound."""
+        self._span = np.array([bound.span for bound in every])
+        self._low, self._high = (
+            (np.array([getattr(bound, name) - (0.0 if bound.rise else bound.constant) for bound in every])) / self._span
+            for name in ("low", "high")
+        )
+        self._risen = [k for k, bound in enumerate(every) if bound.rise]
+        self._out, self._inp = (
+            _Forms([getattr(bound, name) for bound in every], self._span) for name in ("out", "inp")
+        )
+
+    def limits(self, numbers: Indices, shares: Array, tighten: Array) -> tuple[Array, Array]:
+        """Lowest and highest values (N,) of bounds by number, at normalised times of their phases."""
+        low, high = self._low[numbers], self._high[numbers]
+        for k in self._risen:
+            at = np.flatnonzero(numbers == k)
+            offset = self._bounds[k].offset(shares[at]) / self._span[k]
+            low[at], high[at] = low[at] - offset, high[at] - offset
+        return tightened(low, high, tighten)
+
+    def entries(self, numbers: Indices, rows: Indices, points: Indices, layout: PointLayout) -> tuple[Entries, Entries]:
+        """Entries in vec(O) and in vec(Z) of bounds by number, in these rows and at these points."""
+        out = self._out.entries(numbers, rows, points * layout.outputs)
+        return out, self._inp.entries(numbers, rows, points * layout.inputs)
+
+
+class _Forms:
+    """Linear forms in a row, taken many at a time."""
+
+    def __init__(self, forms: list[Form], spans: Array) -> None:
+        lengths = np.array([len(form) for form in forms], dtype=np.int64)
+        self._first, self._lengths = np.cumsum(lengths) - lengths, lengths
+        self._index = np.array([index for form in forms for index in form], dtype=np.int64)
+        values = np.array([value for form in forms for value in form.values()], dtype=np.float64)
+        self._value = values / np.repeat(spans, lengths)
+
+    def entries(self, numbers: Indices, rows: Indices, shifts: Indices) -> Entries:
+        """Entries of forms by number, in rows, their columns shifted."""
+        lengths = self._lengths[numbers]
+        ends = np.cumsum(lengths)
+        place = np.arange(lengths.sum()) + np.repeat(self._first[numbers] - ends + lengths, lengths)
+        return np.repeat(rows, lengths), self._index[place] + np.repeat(shifts, lengths), self._value[place]
 
 
 def tightened(low: Array, high: Array, tighten: Array) -> tuple[Array, Array]:
@@ -137,13 +200,3 @@ def tightened(low: Array, high: Array, tighten: Array) -> tuple[Array, Array]:
     middle = 0.5 * (low[crossed] + high[crossed])
     low[crossed] = high[crossed] = middle
     return low, high
-
-
-def stacked(parts: list[tuple[Indices, Array]], first: int, shifts: Indices) -> Entries:
-    """Entries of rows from ``first`` on, their columns shifted."""
-    lengths = [len(index) for index, _ in parts]
-    rows = np.repeat(np.arange(first, first + len(parts)), lengths)
-    if not parts:
-        return rows, rows, np.zeros(0)
-    index, value = (np.concatenate([part[k] for part in parts]) for k in range(2))
-    return rows, index + np.repeat(shifts, lengths), value

@@ -17,7 +17,7 @@ from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.point.layout import layout_of
 from gaitsmith.synthesis.program.bounds import PhaseBound, phase_bounds
 from gaitsmith.synthesis.program.margin import drawn_in
-from gaitsmith.synthesis.program.rows import BoundRow, Rows
+from gaitsmith.synthesis.program.rows import BoundRows, Rows
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -55,9 +55,25 @@ class Points:
         times = zip(self.phase.tolist(), self.time.tolist(), self.control.tolist(), strict=True)
         return {(phase, round(time, 9)): k for k, (phase, time, control) in enumerate(times) if control < 0}
 
+    def keys(self) -> Indices:
+        """(K,) what tells apart, to 1 ns, the instants of all phases; negative where a point is none."""
+        return np.where(self.control < 0, instant_keys(self.phase, self.time), -1)
+
+    def find(self, phases: Indices, times: Array) -> Indices:
+        """(N,) which points lie at times of phases; all of them are there."""
+        keys = self.keys()
+        order = np.argsort(keys, kind="stable")
+        # of several at the same instant the last one
+        return order[np.searchsorted(keys[order], instant_keys(phases, times), side="right") - 1]
+
     def with_(self, more: Points) -> Points:
         """These and more of them."""
         return Points(*(np.concatenate(pair) for pair in zip(vars(self).values(), vars(more).values(), strict=True)))
+
+
+def instant_keys(phases: Indices, times: Array) -> Indices:
+    """(N,) one number for a phase and a time, to 1 ns."""
+    return (np.asarray(phases, dtype=np.int64) << 44) + np.rint(times * 1e9).astype(np.int64)
 
 
 def flights_of(motion: Motion) -> list[list[int]]:
@@ -84,6 +100,7 @@ class Transcription:
         spline: of every joint and lean.
         size: number of unknowns.
         bounds: per phase, every bound that holds throughout it.
+        rows: what they are as rows of a program.
         pivots: (phases, 3) of the other sole, in its frame, local; on slopes gravity behind it, m/s².
     """
 
@@ -111,7 +128,6 @@ class Transcription:
             size += self.layout.poses * own.size
         self.size = size
         # What one program after another has in common.
-        self.rows: dict[tuple[int, int, float], BoundRow] = {}
         self.rates: dict[tuple[int, float], tuple[list[tuple[int, float]], Array]] = {}
         self.fixed: Rows | None = None
         self._maps: dict[tuple[int, int, float, int], tuple[Array, Indices, Indices]] = {}
@@ -121,6 +137,7 @@ class Transcription:
         self.bounds: list[list[PhaseBound]] = [
             [drawn_in(bound, biped, motion, index) for bound in items] for index, items in enumerate(self.limits)
         ]
+        self.rows = BoundRows(self.bounds)
         self.pivots = np.array([biped.pivot(phase) * (1.0, phase.side, 1.0) for phase in motion.phases])
         if biped.slopes:
             fall = float(np.linalg.norm(biped.model.opt.gravity))

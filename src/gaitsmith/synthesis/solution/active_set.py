@@ -180,7 +180,7 @@ class Equalities:
     @classmethod
     def of(cls, rows: Array, guess: Indices | None) -> tuple[Equalities, Indices]:
         """Of rows that may depend on each other; and which of them stand for all, of which there may be a guess."""
-        kept = np.arange(len(rows)) if guess is None else guess
+        kept = np.arange(len(rows)) if guess is None or guess.max(initial=-1) >= len(rows) else guess
         found = cls(rows[kept])
         others = np.delete(np.arange(len(rows)), kept)
         if found.full and (

@@ -14,7 +14,7 @@ from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
 from gaitsmith.synthesis.program.margin import TOUCHING
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import is_rate
-from gaitsmith.synthesis.program.transcription import Points, Transcription
+from gaitsmith.synthesis.program.transcription import Points, Transcription, instant_keys
 from gaitsmith.synthesis.solution.curves_from_solution import local_inputs, phase_pieces
 from gaitsmith.synthesis.solution.passive import LocalPiece, balanced, with_roots
 
@@ -152,8 +152,9 @@ def with_violated(
         if near is None:
             found.append(ImposedBound(phase, bound, time, scale * _spare(trans, phase, bound, time)))
         elif settled:
+            # What was not enough before is doubled beside what is lacking: the worst instant moves away from this one.
             old, more = found[near], scale * (1.2 * float(item.violations[bound, k]) + _STEP)
-            found[near] = ImposedBound(phase, bound, old.time, min(old.tighten + more, _TIGHTEST))
+            found[near] = ImposedBound(phase, bound, old.time, min(2.0 * old.tighten + more, _TIGHTEST))
     return found
 
 
@@ -212,10 +213,10 @@ def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: 
 
 def with_times(trans: Transcription, points: Points, imposed: list[ImposedBound]) -> Points:
     """Points with those instants of the imposed bounds added that they lack."""
-    have = points.places()
     real = [item for item in imposed if not is_rate(trans, item.phase, item.bound)]
-    lacking = {(item.phase, round(item.time, 9)): item.time for item in real}
-    added = {key: time for key, time in lacking.items() if key not in have}
-    phases = np.array([phase for phase, _ in added], dtype=np.int64)
-    more = trans.instants(phases, np.array(list(added.values()), dtype=np.float64))
-    return points.with_(more)
+    phases = np.array([item.phase for item in real], dtype=np.int64)
+    times = np.array([item.time for item in real], dtype=np.float64)
+    keys = instant_keys(phases, times)
+    first = np.sort(np.unique(keys, return_index=True)[1])  # in the order in which they were imposed
+    first = first[~np.isin(keys[first], points.keys())]
+    return points.with_(trans.instants(phases[first], times[first]))

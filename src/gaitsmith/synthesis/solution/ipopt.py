@@ -61,6 +61,7 @@ class Solution:
         iterations: of this solve.
         setup_s: time to build the problem, s.
         multipliers: of the rows; of bounds, those that are met.
+        independent: which of the equalities may stand for all of them, in order; None where nobody looked.
     """
 
     x: Array
@@ -69,6 +70,7 @@ class Solution:
     iterations: int
     setup_s: float
     multipliers: Array
+    independent: npt.NDArray[np.int64] | None = None
 
 
 class _Watch(ca.Callback):

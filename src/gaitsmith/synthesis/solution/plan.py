@@ -268,9 +268,8 @@ class Planner:
         default = relaxation.default if relaxation.relaxed else None
         result = replace(result, worst=worst, imposed=imposed, solution=found, default_rate=default)
         if held and max(item.violation for item in held.values()) > 0.0:
-            return replace(
-                result, status="not certified", reason=f"{ranked(held)[0]}, held; free it, or change its home"
-            )
+            reason = f"{ranked(held)[0]}, held; free it, or change its home"
+            return replace(result, status="not certified", reason=reason)
         if settings.order > 4 and max(item.violation for item in steep.values()) > 0.0:
             return replace(result, status="not certified", reason=str(ranked(steep)[0]))
         return replace(result, status="solved", gait=gait)
@@ -312,10 +311,9 @@ class Planner:
 
         ``far``: from no usual start. ``easier``: there is another program to try before a slower method.
         """
-        tried, known = 0, np.zeros(0) if last is None else last.multipliers[: program.rows]
+        tried = 0
         if last is not None or not far:
-            multipliers = np.append(known, np.zeros(program.rows - len(known)))
-            found = solve_sqp(program, x, multipliers, min(_WARM_ITERATIONS, left), rough, tell)
+            found = solve_sqp(program, x, last, min(_WARM_ITERATIONS, left), rough, tell)
             if found.solved or easier or found.iterations >= left:
                 return found, False
             far, tried = far or last is not None, found.iterations

@@ -29,6 +29,7 @@ _BETWEEN = 2e-3  # of the bound: what lies between these instants
 _MARGIN = 0.01  # of the bound: how far below it rates are imposed
 _TIGHTEST = 0.4  # of a span
 _NEAR, _SAME = 0.15, 0.03  # of a section: instants that say much the same, and as good as the same
+_ALSO, _BESIDE = 0.9, 0.12  # of the bound, of a section: rates imposed beside the worst, and how far from others
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,31 +99,44 @@ def with_fast(
     for phase, item in enumerate(rates):
         most = (1.0 - _BETWEEN) * steepest(trans, phase)
         sections = trans.instants(phase, item.times).section
-        for section in range(
-            trans.first_section[phase], trans.first_section[phase] + trans.motion.phases[phase].sections
-        ):
+        first = trans.first_section[phase]
+        for section in range(first, first + trans.motion.phases[phase].sections):
             inside = np.flatnonzero(sections == section)
-            sizes = np.abs(item.values[:, inside])
-            for local in np.flatnonzero(sizes.max(axis=1) > most).tolist():
-                k = int(np.argmax(sizes[local]))
-                bound, time = len(trans.bounds[phase]) + local, float(item.times[inside[k]])
-                excess = 0.5 * (float(sizes[local, k]) / most - 1.0) + _MARGIN
-                span = float(np.diff(trans.spline.knots)[section])
+            ratios = np.abs(item.values[:, inside]) / most
+            for local in np.flatnonzero(ratios.max(axis=1) > 1.0).tolist():
+                bound = len(trans.bounds[phase]) + local
                 here = [index for index, old in enumerate(found) if (old.phase, old.bound) == (phase, bound)]
                 at = np.array([found[index].time for index in here])
                 same = trans.instants(phase, at).section == section if here else ()
-                near = [
-                    (abs(found[index].time - time) / span, index)
-                    for index, inside_too in zip(here, same, strict=True)
-                    if inside_too
-                ]
-                apart, index = min(near, default=(1.0, -1))
-                tighten = found[index].tighten if apart < _NEAR else 0.5 * _MARGIN
-                if apart > _SAME:
-                    found.append(ImposedBound(phase, bound, time, tighten))
-                elif settled:
-                    found[index] = ImposedBound(phase, bound, found[index].time, min(tighten + excess, _TIGHTEST))
+                near = [index for index, inside_too in zip(here, same, strict=True) if inside_too]
+                span = float(np.diff(trans.spline.knots)[section])
+                _impose(found, near, phase, bound, item.times[inside], ratios[local], span, settled)
     return found
+
+
+def _impose(
+    found: list[ImposedBound],
+    near: list[int],
+    phase: int,
+    bound: int,
+    times: Array,
+    ratios: Array,
+    span: float,
+    settled: bool,
+) -> None:
+    """Add or tighten the worst instant of a section, and add those beside it to which the worst may move."""
+    for k in np.argsort(-ratios).tolist():
+        if ratios[k] < _ALSO:
+            break
+        time, worst = float(times[k]), k == int(np.argmax(ratios))
+        apart, index = min(((abs(found[index].time - time) / span, index) for index in near), default=(1.0, -1))
+        tighten = found[index].tighten if apart < _NEAR else 0.5 * _MARGIN
+        if apart > (_SAME if worst else _BESIDE):
+            near.append(len(found))
+            found.append(ImposedBound(phase, bound, time, tighten))
+        elif settled and worst:
+            more = 0.5 * (float(ratios[k]) - 1.0) + _MARGIN
+            found[index] = ImposedBound(phase, bound, found[index].time, min(tighten + more, _TIGHTEST))
 
 
 def rate_margins(gait: Gait, most: float, moving: Sequence[str], count: int) -> dict[str, Worst]:

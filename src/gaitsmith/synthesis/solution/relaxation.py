@@ -72,7 +72,7 @@ class Relaxation:
         return (
             self.allowed
             and self.before is not None
-            and any(is_rate(self.trans, item.phase, item.bound) for item in imposed)
+            and any(is_rate(self.trans, item.phase, item.bound) for item in reversed(imposed))
         )
 
     def restart(self) -> Before | None:

@@ -26,7 +26,7 @@ _STEP = 1.0  # largest change of an unknown in one step
 def solve_sqp(
     program: Program,
     start: Array,
-    multipliers: Array,
+    last: Solution | None,
     max_iterations: int,
     rough: bool,
     report: Callable[[Progress], None] | None = None,
@@ -36,7 +36,7 @@ def solve_sqp(
     Args:
         program: the program.
         start: unknowns to start from.
-        multipliers: of the rows, to start from.
+        last: of a program nearby with the first of these rows, whose multipliers to start from.
         max_iterations: before it gives up.
         rough: a step from where all rows nearly hold is enough: the bounds are to be looked at first.
         report: called at every iteration.
@@ -47,8 +47,10 @@ def solve_sqp(
     begin = time.perf_counter()
     derivatives = Derivatives(program)
     ready = time.perf_counter()
-    x, lam = start.copy(), multipliers.copy()
-    independent = None
+    x, lam, independent = start.copy(), np.zeros(program.rows), None
+    if last is not None:
+        known = last.multipliers[: program.rows]
+        lam[: len(known)], independent = known, last.independent
     status, solved, iteration, previous = "Maximum_Iterations_Exceeded", False, 0, np.inf
     for iteration in range(max_iterations + 1):
         gradient, rows, jacobian = derivatives.first_order(x)
@@ -81,7 +83,7 @@ def solve_sqp(
         if rough and not far:
             solved, status, iteration = True, "Rough", iteration + 1
             break
-    return Solution(x, solved, status, iteration, ready - begin, lam)
+    return Solution(x, solved, status, iteration, ready - begin, lam, independent)
 
 
 def _settled(program: Program, x: Array, found: ActiveStep) -> tuple[Array, float]:
