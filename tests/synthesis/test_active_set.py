@@ -87,3 +87,13 @@ def test_equal_rows_given_twice_do_no_harm():
     twice = [np.concatenate([values[:3], values]) for values in (rows, low, high)]
     found = active_set_step(H, gradient, sp.csr_matrix(twice[0]), *twice[1:], np.zeros(len(low) + 3))
     assert np.abs(found.step - step).max() < SAME * max(1.0, np.abs(step).max())
+
+
+def test_where_bounds_contradict_each_other_a_step_may_exceed_them_all_alike():
+    rows, H = np.array([[1.0, 0.0], [1.0, 0.0]]), np.eye(2)
+    low, high = np.array([1.0, -np.inf]), np.array([np.inf, -1.0])
+    given = H, np.array([0.0, 1.0]), sp.csr_matrix(rows), low, high, np.zeros(2)
+    assert active_set_step(*given) is None
+    found = active_set_step(*given, nearly=True)
+    assert found is not None
+    assert found.step == pytest.approx([0.0, -1.0], abs=1e-6)

@@ -72,6 +72,7 @@ def active_set_step(
     high: Array,
     guess: Array,
     independent: Indices | None = None,
+    nearly: bool = False,
 ) -> ActiveStep | None:
     """Solve the quadratic program; None where no step keeps its bounds.
 
@@ -82,6 +83,7 @@ def active_set_step(
         low, high: (rows,) bounds on the change of the rows.
         guess: (rows,) multipliers. A bound with one is thought to be met.
         independent: which of the equalities may stand for all of them, from a step nearby.
+        nearly: where bounds contradict each other, they may be exceeded by as little as possible.
     """
     equal = high - low <= 0.0
     same = np.flatnonzero(equal)
@@ -130,7 +132,7 @@ def active_set_step(
         above, below = high[work] - move[work], low[work] - move[work]
         sense = np.where(side[work] > 0, 1, np.where(side[work] < 0, 3, 0)).astype(np.int32)
         y, _, flag, info = _shortest(slopes, above, below, sense, _LIMIT)
-        if flag <= 0 and guess.any():  # bounds that depend on each other: nearly all of them are kept
+        if flag <= 0 and (nearly or guess.any()):  # bounds that depend on each other: nearly all of them are kept
             y, _, flag, info = _shortest(slopes, above, below, sense | _SOFT, _LIMIT, rho_soft=_SOFTNESS)
         if flag <= 0 or not np.isfinite(y).all():
             return None

@@ -62,7 +62,7 @@ def solve_sqp(
         bounds = program.low - rows, program.high - rows
         far = violation > _FAR
         H = derivatives.curvature(x, 0.0 if far else 1.0, 0.0 if far else lam, _PROXIMAL)
-        found = active_set_step(H, gradient, jacobian, *bounds, lam, independent)
+        found = active_set_step(H, gradient, jacobian, *bounds, lam, independent, far)
         if found is None:
             status = "Quadratic_Program_Failed"
             break
