@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import attrgetter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ from gaitsmith.synthesis.program.smoothness import torque_rates
 from gaitsmith.synthesis.program.transcription import Points, Transcription
 
 Array = npt.NDArray[np.float64]
+_PARTS = attrgetter("phase", "bound", "time", "tighten")
 _SCALE = 9.5  # of the objective in units of the robot's weight, leg and the time in which it falls over
 CURVED = (Kind.FRICTION, Kind.YAW_MOMENT)  # far from a solution these rows make the solver wander
 SELDOM = (Kind.TORQUE, *CURVED)  # imposed only where the dense grid asks for it
@@ -124,14 +126,14 @@ def make_program(
     """
     side = np.array([functions.side(phase.side) for phase in trans.motion.phases])[points.phase]
     order = np.argsort(side, kind="stable")
-    fixed, position = _fixed_rows(trans, points), np.argsort(order)
+    fixed, smooth, position = _fixed_rows(trans, points), _smooth(trans, points), np.argsort(order)
     points = Points(*(values[order] for values in vars(points).values()))
     inputs = trans.input_map(points)
     if imposed is None:
         imposed = every_bound(trans, points)
     layout, first, table = trans.layout, len(fixed.low), trans.rows
-    phase, bound = (np.array([getattr(item, name) for item in imposed], np.int64) for name in ("phase", "bound"))
-    time, tighten = (np.array([getattr(item, name) for item in imposed], np.float64) for name in ("time", "tighten"))
+    parts = np.array(list(map(_PARTS, imposed))).reshape(-1, 4).T
+    (phase, bound), (time, tighten) = parts[:2].astype(np.int64), parts[2:]
     steep = bound >= np.diff(table.first)[phase]
     plain = np.flatnonzero(~steep)
     number, low, high = (table.first[phase] + bound)[plain], np.full(len(imposed), -0.5), np.full(len(imposed), 0.5)
@@ -162,7 +164,7 @@ def make_program(
     by_input = _matrix([on_inputs, on_points[1]], (shape[0], points.count * layout.inputs))
     d = sp.csr_matrix(_matrix([lin], (shape[0], trans.size)) + by_input @ inputs)
     torque_weight = _torque_weights(trans, points)
-    rates = torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time)
+    moved = position[smooth.indices // layout.outputs] * layout.outputs + smooth.indices % layout.outputs
     return Program(
         functions=functions,
         points=points,
@@ -176,7 +178,7 @@ def make_program(
         labels=Labels(fixed.labels, len(imposed), label),
         torque_weight=torque_weight,
         effort=_efforts(trans),
-        smooth=sp.csr_matrix(sp.vstack([rates, _heavier(trans, points, torque_weight)])),
+        smooth=sp.csr_matrix((smooth.data, moved, smooth.indptr), (smooth.shape[0], points.count * layout.outputs)),
         scale=_SCALE / (trans.biped.effort**2 * trans.biped.fall_time),
         price=np.zeros(trans.size),
     )
@@ -193,6 +195,14 @@ def _fixed_rows(trans: Transcription, points: Points) -> Rows:
         cone_rows(rows, trans, points)
         trans.fixed = rows
     return trans.fixed
+
+
+def _smooth(trans: Transcription, points: Points) -> sp.csr_matrix:
+    """S on the points in the order given; kept, as only those that all programs have in common take part."""
+    if trans.smooth is None:
+        rates = torque_rates(trans, points) * (math.sqrt(trans.settings.rate_weight) * trans.biped.fall_time)
+        trans.smooth = sp.csr_matrix(sp.vstack([rates, _heavier(trans, points, _torque_weights(trans, points))]))
+    return trans.smooth
 
 
 def _matrix(parts: list[Entries], shape: tuple[int, int]) -> sp.csr_matrix:

@@ -130,6 +130,8 @@ class Transcription:
         # What one program after another has in common.
         self.rates: dict[tuple[int, float], tuple[list[tuple[int, float]], Array]] = {}
         self.fixed: Rows | None = None
+        self.smooth: sp.csr_matrix | None = None
+        self.maps: dict[int, sp.csr_matrix] = {}  # to the knots of a phase
         self._maps: dict[tuple[int, int, float, int], tuple[Array, Indices, Indices]] = {}
         self.limits: list[list[PhaseBound]] = [
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))

@@ -110,10 +110,11 @@ def _knots(trans: Transcription, phase: int) -> Array:
     return np.array([*fine, knots[-1]])
 
 
-def _states(trans: Transcription, x: Array, phase: int, times: Array) -> Array:
-    """Local inputs (inputs, N) of a phase at times."""
-    points = trans.instants(phase, times)
-    return np.array((trans.input_map(points) @ x).reshape(len(times), trans.layout.inputs).T)
+def _states(trans: Transcription, x: Array, phase: int, knots: Array) -> Array:
+    """Local inputs (inputs, N) of a phase at its knots."""
+    if phase not in trans.maps:
+        trans.maps[phase] = trans.input_map(trans.instants(phase, knots))
+    return np.array((trans.maps[phase] @ x).reshape(len(knots), trans.layout.inputs).T)
 
 
 def phase_pieces(trans: Transcription, functions: PointFunctions, x: Array, phase: int) -> list[LocalPiece]:
