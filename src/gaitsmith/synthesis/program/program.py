@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from operator import attrgetter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
