@@ -46,7 +46,7 @@ def test_a_run_that_stands_is_one_line(tmp_path: Path) -> None:
 def test_a_fault_that_does_not_exist_is_one_line() -> None:
     code, _, error = run("walk", "--fault", "nose:nan@1s,1s")
     assert code == 2
-    assert error.startswith("gaitsmith: faults[0]: component: got 'nose'")
+    assert error.startswith("gaitsmith: --fault component: got 'nose'")
     assert error.count("\n") == 1
 
 

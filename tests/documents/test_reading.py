@@ -139,6 +139,12 @@ def test_a_file_is_bounded_and_named(tmp_path: Path) -> None:
         read_toml(path, "a card")
 
 
+def test_a_byte_order_mark_and_line_ends_of_windows_change_nothing() -> None:
+    for text in ('share = 0.5\r\nname = "a"\r\n', 'share = 0.5\nname = "a"\n'):
+        assert parse_toml(b"\xef\xbb\xbf" + text.encode(), "x.toml", "a card") == {"share": 0.5, "name": "a"}
+    assert parse_json(b'\xef\xbb\xbf{"share": 0.5}') == {"share": 0.5}
+
+
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.just(10**4000) | st.just("x" * 5000),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8) | st.just("k" * 5000), inner),

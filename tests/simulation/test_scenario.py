@@ -195,7 +195,7 @@ def test_a_posture_is_checked_against_the_robot():
         scenario = make_scenario({"changes": [{"time": 1.0, "posture": posture}]})
         with pytest.raises(BadInput, match=told) as caught:
             check_scenario(scenario, robot)
-        assert caught.value.field.startswith("changes[0]: posture")
+        assert caught.value.field.startswith("changes[0].posture")
     scenario = make_scenario({"changes": [{"time": 1.0, "posture": {"left_elbow": -0.5}}]})
     check_scenario(scenario, robot)
     assert len({scenario, make_scenario(scenario.model_dump(mode="json", exclude_defaults=True))}) == 1

@@ -50,7 +50,7 @@ def parse_toml(content: bytes, source: str, what: str) -> dict[str, Any]:
         BadInput: it is not TOML, or a dotted key has too many parts.
     """
     try:
-        text = content.decode("utf-8")
+        text = content.decode("utf-8-sig")
         _check_keys(text, source)
         return tomllib.loads(text)
     except RecursionError:
@@ -91,7 +91,7 @@ def parse_json(content: bytes) -> Any:
         ValueError: it is no JSON, holds NaN or an infinity, or gives a key twice.
         RecursionError: it is nested too deeply.
     """
-    return json.loads(content.decode("utf-8"), parse_constant=_refuse_constant, object_pairs_hook=_without_twins)
+    return json.loads(content.decode("utf-8-sig"), parse_constant=_refuse_constant, object_pairs_hook=_without_twins)
 
 
 def _refuse_constant(word: str) -> NoReturn:

@@ -196,7 +196,7 @@ def read_footholds(path: str | Path, leg: float) -> FootholdList:
         BadInput: no such file, or a line that is no foothold.
     """
     try:
-        text = read_bounded(path, _LARGEST).decode()
+        text = read_bounded(path, _LARGEST).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise BadInput("footholds", str(path), "terrain, or a readable file of footholds", reason(error)) from None
     rows = []

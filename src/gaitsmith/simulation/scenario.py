@@ -318,13 +318,13 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
         try:
             members(fault, robot)
         except BadInput as error:
-            raise error.within(f"faults[{k}]") from None
+            raise error.named(f"faults[{k}].{error.field}") from None
     at_home = np.array([robot.home, robot.velocity_limit])
     for k, change in enumerate(scenario.changes):
         try:
             commanded(at_home, robot, change.posture, {})
         except BadInput as error:
-            raise error.within(f"changes[{k}]") from None
+            raise error.named(f"changes[{k}].{error.field}") from None
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
