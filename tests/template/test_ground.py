@@ -102,3 +102,24 @@ def test_a_stumble_lifts_the_next_steps() -> None:
     assert found[:2] == pytest.approx([0.0, 0.06])
     assert found[1] > found[2] > found[3] > 0.0
     assert ground.rise[0] == 0.0
+
+
+@given(st.floats(-0.2, 0.2), slopes, st.floats(0.05, 0.2))
+def test_a_slope_across_is_learnt_from_both_sides(across: float, ahead: float, beside: float) -> None:
+    """From landings on it to the left and to the right; then the landings come at the heights that are expected."""
+    ground, step = make_ground(), at(a_step(inputs()), 10.0)
+    ground.pitch[0] = ahead
+    for k in range(40):
+        place = np.array([0.1, beside if k % 2 else -beside])
+        plan_landing(ground, step, forecast(), OMEGA, np.zeros(2), np.zeros(2), place)
+        stand_on(ground, across * place[1] - math.tan(ahead) * place[0], 0.7)
+    assert ground.across[0] == pytest.approx(across, abs=1e-4)
+
+
+@pytest.mark.parametrize("heights", [(0.05, 0.0), (0.05, 0.05), (0.0, -0.05), (-0.05, -0.05)])
+def test_steps_up_and_down_are_no_slope_across(heights: tuple[float, float]) -> None:
+    ground, step = make_ground(), at(a_step(inputs()), 10.0)
+    for k in range(24):
+        plan_landing(ground, step, forecast(), OMEGA, np.zeros(2), np.zeros(2), np.array([0.1, -0.1 + 0.2 * (k % 2)]))
+        stand_on(ground, heights[k % 2], 0.7)
+    assert ground.across[0] == 0.0

@@ -19,6 +19,8 @@ _LEARNT = 0.5  # of a new slope, each step
 _STEEPEST = 0.4  # rad
 _SETTLED = 0.1  # of the period: a sole that turns later tips over an edge
 _EVEN, _FORGOTTEN = 0.02, 0.3  # of z: a landing so much higher than planned is none on even ground; each step
+_ACROSS, _AGREED = 0.3, 2.0  # of a slope across that landings in turn show, once so many say what the one before said
+_CLOSE = 0.02  # of z: soles closer to each other show no slope
 _AHEAD = 0.25  # of the way: how much farther than half of it a sole has gone at αT before a drop as deep as the lift
 _STILL, _TIPPED = 0.03, 0.1  # rad: by how much a sole on good ground turns, and by how much more to bear at its end
 
@@ -34,6 +36,9 @@ class Ground(NamedTuple):
         rise: (1,) height of the ground there, m.
         highest: (1,) greatest height of the ground on the way there, m.
         pitch: (1,) slope of the ground as the soles have lain on it, downhill positive, rad.
+        across: (1,) slope to the left as the soles' heights have shown it, uphill positive; a tangent.
+        steeper: (1,) how much more of it the last landing showed.
+        agreed: (1,) how many landings in turn have shown what the one before did.
         flattest: (1,) pitch of the stance sole where it was nearest to level in this step, rad.
         start: (1,) height of the ground that the swing sole has left, m.
         stumble: (1,) how much higher than planned the soles have landed of late, m.
@@ -48,6 +53,9 @@ class Ground(NamedTuple):
     rise: Vector
     highest: Vector
     pitch: Vector
+    across: Vector
+    steeper: Vector
+    agreed: Vector
     flattest: Vector
     start: Vector
     stumble: Vector
@@ -68,7 +76,8 @@ def stand_on(ground: Ground, climbed: float, height: float) -> None:
     """A sole has landed: it bears where it would have been, had it not been moved onto better ground.
 
     So the pendulum, and with it the balance, does not feel that it was. Whoever has stumbled lifts the feet higher for
-    a few steps, by as much as the landing was too high.
+    a few steps, by as much as the landing was too high. A slope across the way is learnt from three landings in
+    turn that agree: a step up or a stone is higher on one side, or on both, but no slope.
 
     Args:
         ground: where it landed is still what was planned.
@@ -80,6 +89,17 @@ def stand_on(ground: Ground, climbed: float, height: float) -> None:
     higher = climbed - ground.rise[0]
     if higher > _EVEN * height:
         ground.stumble[0] = max(ground.stumble[0], higher)
+    beside, steeper = ground.planned[1], 0.0
+    if ground.known[0] == 0 and abs(beside) > _CLOSE * height:
+        steeper = higher / beside
+    if abs(steeper) > _STEEPEST or steeper * ground.steeper[0] <= 0.0:
+        ground.agreed[0] = 0.0
+    else:
+        ground.agreed[0] += 1.0
+        if ground.agreed[0] >= _AGREED:
+            learnt = _ACROSS * min(abs(steeper), abs(ground.steeper[0]))
+            ground.across[0] = clip(ground.across[0] + math.copysign(learnt, steeper), _STEEPEST)
+    ground.steeper[0] = steeper
     for axis in range(2):
         ground.moved[axis] = -ground.shift[axis] if ground.known[0] > 0 else 0.0
         ground.pivot[axis] = 0.0
@@ -155,12 +175,12 @@ def share_of_way(start: float, rise: float, highest: float, lift: float) -> floa
 def plan_landing(
     ground: Ground, step: StepState, forecast: Forecast, omega: float, velocity: Vector, com_offset: Vector, out: Vector
 ) -> None:
-    """Where the swing sole is going to land, and how high: as it was told, else along the slope that was felt.
+    """Where the swing sole is going to land, and how high: as it was told, else along the slopes that were felt.
 
     The pendulum ``c(t) = c cosh ωt + (ċ/ω) sinh ωt`` over the stance sole says where the hips will be by then.
 
     Args:
-        ground: all but the slope is filled; what was told is believed for ``known`` ticks.
+        ground: all but the slopes is filled; what was told is believed for ``known`` ticks.
         step: the step being taken.
         forecast: its ``arm`` is read.
         omega: of the pendulum, 1/s.
@@ -180,5 +200,5 @@ def plan_landing(
         for axis in range(2):
             out[axis] += ground.shift[axis]
     else:
-        ground.rise[0] = -math.tan(ground.pitch[0]) * ground.planned[0]
+        ground.rise[0] = ground.across[0] * ground.planned[1] - math.tan(ground.pitch[0]) * ground.planned[0]
         ground.highest[0] = max(ground.rise[0], 0.0) + ground.stumble[0]
