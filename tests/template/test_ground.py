@@ -10,6 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.template.steps import OMEGA, a_step, at, forecast, inputs
 
+from gaitsmith.simulation.episode import Simulation
+from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.template.ground import feel_slope, find_pivot, make_ground, plan_landing, share_of_way, stand_on
 
 slopes = st.floats(-0.3, 0.3)
@@ -123,3 +125,14 @@ def test_steps_up_and_down_are_no_slope_across(heights: tuple[float, float]) -> 
         plan_landing(ground, step, forecast(), OMEGA, np.zeros(2), np.zeros(2), np.array([0.1, -0.1 + 0.2 * (k % 2)]))
         stand_on(ground, heights[k % 2], 0.7)
     assert ground.across[0] == 0.0
+
+
+def test_a_slope_across_hardly_turns_a_robot_that_cannot_turn_itself() -> None:
+    """14 s on 8 degrees: it turned by a radian, in long steps downhill and short ones uphill, before it was learnt."""
+    simulation = Simulation(
+        make_scenario({"terrain": "cross:8", "speed": [0.325, 0.0], "duration": 14.0}), record=False
+    )
+    simulation.run()
+    assert simulation.fall is None
+    assert simulation.plant.truth.torso[1] > -0.6
+    assert abs(simulation.plant.truth.attitude[2]) < 0.6
