@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gaitsmith.compiled import Cube, IntVector, Matrix, Vector, kernel
+from gaitsmith.compiled.lanes import LANES, none, put
 from gaitsmith.qp.quadratic_program import QuadraticProgram
 from gaitsmith.whole_body.frames import Frames
 from gaitsmith.whole_body.legs import Legs
@@ -149,8 +150,12 @@ def observe_contacts(legs: Legs, frames: Frames, kinds: IntVector, contacts: Con
 @kernel
 def _new_row(qp: QuadraticProgram, m: int, first: int, end: int) -> int:
     """Clear row ``m`` and make it ``row · x ≥ 0``; the caller fills coefficients from ``first`` to before ``end``."""
-    for j in range(qp.rows.shape[1]):
-        qp.rows[m, j] = 0.0
+    if qp.span[m, 0] == first and qp.span[m, 1] == end and end - first <= LANES:  # zero elsewhere, by its span
+        put(qp.rows, m, first // LANES * LANES, none())
+        put(qp.rows, m, (end - 1) // LANES * LANES, none())
+    else:
+        for j in range(qp.rows.shape[1]):
+            qp.rows[m, j] = 0.0
     qp.row_lower[m], qp.row_upper[m] = 0.0, math.inf
     qp.span[m, 0], qp.span[m, 1] = first, end
     return m + 1

@@ -113,8 +113,9 @@ def begin_motion(body: Body, contacts: Contacts, motion: Motion) -> int:
     for k in range(nv + 1):
         for i in range(response.shape[1]):
             response[k, i] = 0.0
+        if 6 <= k < nv:
+            response[k, k - 6] = 1.0
     for j in range(n_joints):
-        response[6 + j, j] = 1.0
         motion.joint_weight[j] = 0.0
     for leg in range(contacts.kind.shape[0]):
         contacts.first[leg] = n
