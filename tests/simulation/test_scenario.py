@@ -86,6 +86,10 @@ def test_gait_inputs_outside_the_robot_s_limits_are_refused(name, value):
     ("data", "told"),
     [
         ({"duration": math.nan}, "run.toml: duration: got nan, expected a finite number"),
+        (
+            {"duration": 1e12},
+            "run.toml: duration: got 1000000000000.0, expected a finite number above 0 up to 1000000000",
+        ),
         ({"speeed": 1}, "run.toml: speeed: got 1, expected no such entry; this table takes only speed"),
         (
             {"changes": [{"time": 1.0, "foo": 2}]},

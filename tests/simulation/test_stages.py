@@ -55,6 +55,24 @@ def test_periodic_speed_averages_out_whatever_the_step(step_ticks, offset, whole
     assert stage.yaw_rate_error == pytest.approx(0.0, abs=1e-12)
 
 
+@given(st.integers(700, 1300), st.integers(0, 2500))
+def test_a_plan_is_measured_over_all_strides_of_its_loop_that_are_remembered(step_ticks, loop):
+    """In front of the loop it walked slower."""
+    n = loop + 6 * step_ticks
+    begin, end = scored_window(0, n, _walk(step_ticks, n), DT, loop)
+    assert begin >= max(loop, n - 8000)
+    assert end - begin == 4 * step_ticks  # two strides; without its loop the latest one at most
+    begin, end = scored_window(0, n, _walk(step_ticks, n), DT)
+    assert end - begin == 2 * step_ticks
+
+
+def test_a_plan_without_a_loop_is_measured_as_a_whole():
+    n = 3000
+    span = Span(0, n, False, COMMAND, None, (0.6, -0.03))
+    stage = _measured(span, _signals(400, n), 0, _walk(400, n))
+    assert (stage.scored, stage.vx_mean, stage.vy_mean) == ((0.0, 3.0), pytest.approx(0.2), pytest.approx(-0.01))
+
+
 @given(st.lists(st.integers(100, 2500), min_size=2, max_size=40), st.integers(0, 1))
 def test_the_window_is_whole_stride_pairs_inside_the_last_two_seconds_or_the_latest_stride(lengths, leg):
     ticks = np.cumsum(lengths)

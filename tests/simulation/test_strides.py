@@ -10,6 +10,7 @@ from tests.simulation.standing import robot
 from gaitsmith.log.columns import Columns
 from gaitsmith.simulation.scenario import Scenario, make_scenario
 from gaitsmith.simulation.stage_table import stride_lines
+from gaitsmith.simulation.stages import ENTERED, LEFT
 from gaitsmith.simulation.strides import CALM, Strides
 from gaitsmith.simulation.summary import StepTimes
 
@@ -19,16 +20,22 @@ PUSHES = [{"time": 1.0, "impulse": [10.0, 0.0, 0.0]}, {"time": 4.0, "impulse": [
 LIMIT = CALM * np.sqrt(9.81 * HEIGHT)
 
 
-def _walk(speeds: list[float], pushed: dict[int, int], scenario: Scenario) -> Strides:
+def _walk(
+    speeds: list[float], pushed: dict[int, int], scenario: Scenario, told_of_plan: dict[int, str] | None = None
+) -> Strides:
     """A walk at 0.3 m/s of whole steps, each with a mean error of speed, m/s; pushes begin with some of them."""
     told, true = np.array([1.0, 0.0, HEIGHT, 0.3, 0.0]), np.zeros(3)
     columns = Columns((NAMES, told), ([f"true.com_velocity_{axis}" for axis in "xyz"], true))
-    strides = Strides(columns, "true.", scenario, DT, robot())
+    strides = Strides(columns, "true.", scenario, DT, robot(), {"speed": (0.3, 0.0)})
+    if scenario.gait:
+        told[3] = 0.0  # what is latched is no plan's
     for count, error in enumerate([*speeds, 0.0]):
         told[1] = count
         for tick in range(STEP + 5 * (count == 2)):
             true[:2] = 0.3 + error + 0.2 * np.cos(2.0 * np.pi * tick / STEP), 0.0
             strides.observe(tick)
+            if tick == 0 and told_of_plan and count in told_of_plan:
+                strides.hear({"time": 0.0, "plan": told_of_plan[count]})
             if tick == 0 and count in pushed:
                 strides.hear({"time": 0.0, "push": pushed[count]})
     return strides
@@ -62,8 +69,20 @@ def test_lines_say_what_became_of_every_push():
     assert stride_lines(made_up_summary()) == []
 
 
-def test_a_fall_is_no_recovery_and_a_planned_gait_has_no_strides():
+def test_a_fall_is_no_recovery_and_a_plan_without_a_loop_has_no_strides():
     scenario = make_scenario({"pushes": PUSHES[:1]})
     assert _walk([0.0] * 8, {3: 0}, scenario).report(True)["recovered"] == (None,)
-    planned = _walk([0.0] * 8, {}, Scenario(gait=("made_up.json",)))
+    planned = _walk([0.0] * 8, {}, Scenario(gait=("made_up.json",)), {7: LEFT})
     assert planned.report(False) == {"recovered": (), "step_time": None}
+
+
+def test_strides_of_a_plan_are_those_of_its_loop():
+    """Slow ones in front of it and behind it are as they should be; in it the plan's speed is what counts."""
+    scenario = Scenario(gait=("made_up.json",), pushes=make_scenario({"pushes": PUSHES[:1]}).pushes)
+    slow = [-0.2, -0.1]
+    speeds = [*slow, 0.0, 0.0, 0.0, 3.0 * LIMIT, 3.0 * LIMIT, 0.0, 0.0, 0.0, 0.0, *reversed(slow)]
+    found = _walk(speeds, {5: 0}, scenario, {2: ENTERED, 11: LEFT}).report(False)
+    assert found["recovered"] == (pytest.approx(4 * 0.40, abs=0.02),)
+    assert found["step_time"].min == pytest.approx(0.40)
+    never = _walk([0.0] * 4 + [3.0 * LIMIT] * 6, {3: 0}, scenario, {1: ENTERED})
+    assert never.report(False)["recovered"] == (None,)

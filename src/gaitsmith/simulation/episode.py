@@ -151,7 +151,7 @@ class Simulation:
         told = self._tell if scenario.gait else None
         self._tracked = Tracked(self.plan, self.controller, self.plant, told) if self.plan is not None else None
         self._reactions = Reactions(self.columns, self.controller.estimated, step, self._tell)
-        self._strides = Strides(self.columns, self._monitor.prefix, scenario, step, self.robot)
+        self._strides = Strides(self.columns, self._monitor.prefix, scenario, step, self.robot, self._commanded)
         tour = scenario.tour
         self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None
         seeing = (self._monitor, self._recorder, self._reactions, self._strides, self._disturber, self._tracked)

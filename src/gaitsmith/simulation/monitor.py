@@ -21,7 +21,7 @@ from gaitsmith.simulation.limits import (
     remember_hits,
     watch_joints,
 )
-from gaitsmith.simulation.stages import REMEMBERED, Signals, Span, measure_stage
+from gaitsmith.simulation.stages import ENTERED, REMEMBERED, Signals, Span, measure_stage
 from gaitsmith.simulation.summary import Stage, StageCommand
 from gaitsmith.simulation.truth import Truth, truth_columns
 
@@ -193,6 +193,8 @@ class Monitor:
         self._address = self._arena.address
         self.walked_from: npt.NDArray[np.float64] | None = None
         self._gait, self._rest, self._began, self._pushes = dict(gait), True, 0, 0
+        self._loop: int | None = None
+        self._from: npt.NDArray[np.float64] | None = None  # place where a plan began, m
         self._stages: list[bytes] = []
 
     def observe(self, tick: int) -> bool:
@@ -202,6 +204,9 @@ class Monitor:
 
     def hear(self, event: Mapping[str, Any]) -> None:
         """Take note of a command, or of a plan that leaves its loop, which begin a stage, or of a push: all disturb."""
+        if event.get("plan") == ENTERED:
+            self._loop = self.ticks
+            return
         if "push" in event:
             self._pushes += -1 if event.get("over") else 1
         self.kept.quiet_from[0] = _NEVER if self._pushes else self.ticks + round(SETTLING / self.dt)
@@ -211,6 +216,7 @@ class Monitor:
             self._stages.append(self._stage().model_dump_json().encode())
             _restart(self.kept.stage)
             self._began = self.ticks
+        self._loop, self._from = None, self._seen.torso[:2].copy() if event.get("action") == "follow" else None
         self._gait.update(event.get("command", {}))
         action = "stand" if "plan" in event else event.get("action")
         if action in _BEGINNINGS and self.walked_from is None:
@@ -250,6 +256,14 @@ class Monitor:
         at = np.arange(max(0, steps - len(ring.leg)), steps) % len(ring.leg)
         return np.stack([ring.touchdown[at], ring.leg[at]], axis=1)
 
+    def _way(self) -> tuple[float, float] | None:
+        """Way of a plan without a loop so far, ahead and to the left of the mean of its first and last heading, m."""
+        if self._from is None or self._loop is not None:
+            return None
+        x, y = (self.kept.place - self._from).tolist()
+        middle = 0.5 * float(self.kept.heading[0] + self.kept.stage.heading[0])
+        return math.cos(middle) * x + math.sin(middle) * y, math.cos(middle) * y - math.sin(middle) * x
+
     def _stage(self) -> Stage:
         """The present stage as far as it has come."""
         kept, last = self.kept, int(self.kept.upright[0])
@@ -259,7 +273,7 @@ class Monitor:
         first = max(0, last - size)
         at = np.arange(first, last) % size
         signals = Signals(*(signal[at] for signal in kept.ring.signals))
-        span = Span(self._began, last, self._rest, command)
+        span = Span(self._began, last, self._rest, command, self._loop, self._way())
         turned = kept.heading[0] - kept.stage.heading[0] - kept.stage.commanded[0]
         ranges = [(float(span.low[0]), float(span.high[0])) for span in (kept.stage.roll, kept.stage.pitch)]
         return measure_stage(span, first, signals, self.touchdowns(), ranges[0], ranges[1], float(turned), self.dt)

@@ -15,6 +15,7 @@ from gaitsmith.simulation.loop import Observer
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.props import Ball
 from gaitsmith.simulation.scenario import Scenario
+from gaitsmith.simulation.stages import ENTERED, LEFT
 from gaitsmith.simulation.summary import BallReport, FootPitch, Tracking
 from gaitsmith.simulation.terrain import Region
 from gaitsmith.synthesis.files.gait_file import load_robot_of, read_gait
@@ -88,11 +89,12 @@ class Tracked(Observer):
     """Watches how well a plan is followed; its x axis is the world's.
 
     Args:
-        tell: told once when the plan leaves its loop; None for a plan that is steered, whose orders say so.
+        tell: told when the plan enters a loop and leaves it; None for a plan that is steered, whose orders say so.
     """
 
     def __init__(self, plan: Plan, controller: Controller, plant: Plant, tell: Callable[..., None] | None) -> None:
         self.plan, self._controller, self._plant, self._tell = plan, controller, plant, tell
+        self._loops = plan.table.passes != 1
         self._begin = math.nan
         self._tilt = np.zeros(2)
         self._yaw, self._turn = np.full(2, math.nan), np.zeros(2)  # of the real torso and of the plan's
@@ -104,8 +106,11 @@ class Tracked(Observer):
         """Take note of a tick; never ends the run unless the plan has, in motion."""
         reference, plant, clock = self._controller.reference, self._plant, self._controller.plan_clock
         if self._tell is not None and (clock.ended[0] or clock.visit[0] >= self.plan.table.loop_end):
-            self._tell({"plan": "left its loop"})
+            self._tell({"plan": LEFT})
             self._tell = None
+        elif self._tell is not None and self._loops and clock.visit[0] >= self.plan.table.loop_first:
+            self._tell({"plan": ENTERED})
+            self._loops = False
         if math.isnan(self._begin):
             self._begin = float(plant.com[0])
             self._contact[:] = reference.contact

@@ -85,7 +85,7 @@ def summary_of(path: Path) -> Summary:
         seen = Columns((columns, row))
         monitor = Monitor(robot, preset_parameters(robot, robot_scale(robot), scenario.preset), seen, dt, gait)
         reactions = Reactions(seen, scenario.state == "estimated", dt, lambda _: None)
-        strides = Strides(seen, monitor.prefix, scenario, dt, robot)
+        strides = Strides(seen, monitor.prefix, scenario, dt, robot, gait)
         waiting, rows, started = deque(reader.events), 0, [None] * len(scenario.pushes)
         for block in reader:
             waiting.extend(reader.events)

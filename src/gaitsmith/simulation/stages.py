@@ -11,35 +11,45 @@ from gaitsmith.compiled import Vector
 from gaitsmith.simulation.summary import Stage, StageCommand
 
 SCORED = 2.0  # s at the end of a stage over which means are taken
-REMEMBERED = 8.0  # s of signals kept for strides that are longer
+REMEMBERED = 8.0  # s of signals kept for strides that are longer, and for those of a plan, which are all alike
+ENTERED, LEFT = "entered its loop", "left its loop"  # what is told of a plan
 Array = npt.NDArray[np.float64]
 
 
 class Span(NamedTuple):
-    """A stage before it is measured: control ticks [first, last), whether at rest, and the command."""
+    """A stage before it is measured: control ticks [first, last), whether at rest, and the command.
+
+    A plan that goes through a loop does so from tick ``loop`` on. One without a loop is measured as a whole: by its
+    ``way`` ahead and to the left, m. Both are None for any other walk.
+    """
 
     first: int
     last: int
     rest: bool
     command: StageCommand
+    loop: int | None = None
+    way: tuple[float, float] | None = None
 
 
-def scored_window(first: int, last: int, touchdowns: npt.NDArray[np.int64], control_step: float) -> tuple[int, int]:
+def scored_window(
+    first: int, last: int, touchdowns: npt.NDArray[np.int64], control_step: float, loop: int | None = None
+) -> tuple[int, int]:
     """Ticks [begin, end) over which a stage's means are taken.
 
     The largest even number of strides (a stride is two steps) between touchdowns of the same leg that fits into the
-    last 2 s of the stage, as late as possible; a single stride if no two fit; the latest stride of the last 8 s if none
-    fits; else these 2 s as they are.
+    last 2 s of the stage, or into the last 8 s of a plan's loop, as late as possible; a single stride if no two fit;
+    the latest stride of the last 8 s if none fits; else these 2 s as they are.
 
     Args:
         first: tick at which the stage begins.
         last: tick after its end.
         touchdowns: (m, 2) tick and new stance leg of every step, in order of time.
         control_step: s.
+        loop: tick at which a plan enters its loop, None without one.
     """
     begin, earliest = (max(first, last - round(span / control_step)) for span in (SCORED, REMEMBERED))
     known = touchdowns[(touchdowns[:, 0] >= earliest) & (touchdowns[:, 0] <= last)]
-    ticks = known[known[:, 0] >= begin]
+    ticks = known[known[:, 0] >= (begin if loop is None else loop)]
     best: tuple[int, int, int] | None = None
     for leg in (0, 1):
         own = ticks[ticks[:, 1] == leg, 0]
@@ -103,16 +113,19 @@ def measure_stage(
         turned: change of the heading over the stage, less what was commanded, rad.
         control_step: s.
     """
-    first, last, rest, command = span
+    first, last, rest, command, loop, way = span
     begin, end = max(first, last - round(SCORED / control_step)), last
     settled = slice(begin - start, end - start)
     if not rest:
-        begin, end = scored_window(first, last, touchdowns, control_step)
+        begin, end = scored_window(first, last, touchdowns, control_step, loop)
     scored = slice(begin - start, end - start)
     before = max(begin - 1, start, 0)
     turn = float(signals.heading[end - 1 - start] - signals.heading[before - start])
     yaw_rate = turn / (max(end - 1 - before, 1) * control_step)
     vx, vy = _means_ahead(signals.speed_x[scored], signals.speed_y[scored], signals.heading[scored], turn)
+    if way is not None:
+        begin, end = first, last
+        vx, vy = (part / ((last - first) * control_step) for part in way)
     height = float(np.mean(signals.height[scored]))
     return Stage(
         t0=first * control_step,

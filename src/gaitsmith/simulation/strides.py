@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from gaitsmith.simulation.stages import ENTERED
 from gaitsmith.simulation.summary import StepTimes
 
 if TYPE_CHECKING:
@@ -22,18 +23,22 @@ class Strides:
     """Watches steps in bounded memory.
 
     A push is recovered from at the end of the first of the strides (two steps each) that are calm from then on until
-    the next push, or the end.
+    the next push, the end, or a plan's leaving its loop: what is in front of and behind a loop has no speed to compare.
 
     Args:
         columns: telemetry of the controller; what is true, or believed, of the robot.
         prefix: of the columns that tell where the robot is.
-        scenario: how many pushes there are; steps of planned gaits are not watched.
+        scenario: how many pushes there are; steps of libraries are not watched.
         dt: s from one observation to the next.
         robot: whose world has gravity.
+        gait: what is commanded at first, by name; of a plan the speed in its loop.
     """
 
-    def __init__(self, columns: Columns, prefix: str, scenario: Scenario, dt: float, robot: Robot) -> None:
+    def __init__(
+        self, columns: Columns, prefix: str, scenario: Scenario, dt: float, robot: Robot, gait: Mapping[str, Any]
+    ) -> None:
         self._dt, self._ticks, self._planned = dt, 0, bool(scenario.gait or scenario.library)
+        self._watches, self._looped, self._speed = not self._planned, False, tuple(gait.get("speed", (0.0, 0.0)))
         self._gravity = -float(robot.model.opt.gravity[2])
         self._views = [columns.block([name]) for name in _READ]
         self._velocity = columns.block([f"{prefix}com_velocity_{axis}" for axis in "xy"])
@@ -46,10 +51,13 @@ class Strides:
 
     def observe(self, tick: int) -> bool:
         """Take note of the present tick; never ends the run."""
-        if self._planned:
+        if not self._watches:
+            self._ticks += 1
             return False
         mode, count, height, speed_x, speed_y = (float(view[0]) for view in self._views)
         vx, vy = self._velocity.tolist()
+        if self._planned:
+            speed_x, speed_y = self._speed
         if mode == 1.0:
             if int(count) != self._count:
                 self._step(int(count), height, speed_x, speed_y)
@@ -62,7 +70,10 @@ class Strides:
         return False
 
     def hear(self, event: Mapping[str, Any]) -> None:
-        """A push begins."""
+        """A push begins, or a plan enters or leaves its loop."""
+        if "plan" in event:
+            self._watches = event["plan"] == ENTERED
+            self._looped = self._looped or self._watches
         if "push" in event and not event.get("over"):
             self._close(self._recovered, self._since_push())
             self._pushed, self._calm_since = (int(event["push"]), self._now), None
@@ -73,7 +84,7 @@ class Strides:
         times = StepTimes(mean=total / steps, min=least, max=greatest) if steps else None
         found = list(self._recovered)
         self._close(found, None if fell else self._since_push())
-        return {"recovered": () if self._planned else tuple(found), "step_time": times}
+        return {"recovered": () if self._planned and not self._looped else tuple(found), "step_time": times}
 
     @property
     def _now(self) -> float:

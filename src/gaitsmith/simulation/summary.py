@@ -194,8 +194,8 @@ class Summary(Frozen):
         realtime_factor: simulated over wall time, logging included.
         pushes: when each push began, s; null if it never did.
         recovered: how long after its beginning each push was recovered from, s
-            (:class:`gaitsmith.simulation.strides.Strides`); null if it was not; empty with a planned gait.
-        step_time: of finished steps of the template; None without one.
+            (:class:`gaitsmith.simulation.strides.Strides`); null if it was not; empty with a plan without a loop.
+        step_time: of finished steps of the template, or of a plan in its loop; None without one.
         warnings: what the physics engine warned of.
         tracking: of a planned gait; None for the template's.
         steps_held: of a walk by a library: how many steps stayed as they were because a gait on the way could not be

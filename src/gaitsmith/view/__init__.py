@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
+
+from gaitsmith.errors import BadInput
+
+try:
+    from matplotlib.figure import Figure
+except ValueError as error:  # it reads the variable when it is imported, though figures need no window
+    remedy = "unset it: figures are drawn without a display"
+    raise BadInput("MPLBACKEND", os.environ.get("MPLBACKEND", ""), "a backend of matplotlib", remedy) from error
 
 from gaitsmith.view.canvas import save as save
 from gaitsmith.view.fall import draw_fall as draw_fall
