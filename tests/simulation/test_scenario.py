@@ -212,7 +212,7 @@ def test_an_unknown_preset_names_the_known_ones():
 
 @pytest.mark.parametrize("value", [0.0, math.inf])
 def test_a_number_out_of_range_is_told_its_bound(value):
-    assert _refusal({"duration": value}).endswith("expected a finite number above 0")
+    assert _refusal({"duration": value}).endswith("expected a finite number above 0 up to 1000000000")
 
 
 def test_the_bound_is_told_below_the_top_too():
