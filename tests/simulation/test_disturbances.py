@@ -9,7 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gaitsmith.errors import BadInput
+from gaitsmith.robots import load_robot
 from gaitsmith.simulation.disturbances import Push, Pushes, StrideClock, crossed
+from gaitsmith.simulation.plant import Plant
 
 DT = 1e-3
 EXACT = 1e-9
@@ -109,3 +112,12 @@ def test_a_step_that_begins_on_both_feet_has_phases_from_its_beginning():
     np.testing.assert_allclose(seen, [0.5 * (k / 500) % 1.0 for k in range(2000)], atol=EXACT)
     assert math.isnan(clock.phase(2.0, False, 2, 0.0, 4, 0.5))
     assert math.isnan(clock.phase(2.1, True, 2, 0.0, 4, 0.5))
+
+
+def test_a_step_without_a_posture_and_a_push_without_a_force_are_refused() -> None:
+    plant = Plant(load_robot("bhr_b2"))
+    with pytest.raises(BadInput, match=r"plant: .* call reset\(q\) first"):
+        plant.step(np.zeros(8))
+    for force in ((1.0, 2.0), (0.0, math.nan, 0.0)):
+        with pytest.raises(BadInput, match=r"push\.force"):
+            plant.push(force)

@@ -128,6 +128,7 @@ class Plant:
         self._sensors = sensors
         self._seed = seed
         self._noise = self._draw()
+        self._ticks = -1  # until reset
         self._forces: dict[tuple[int, int | None], npt.NDArray[np.float64]] = {}
         self._levers = False  # forces off a CoM
         self._bind(round(torque_delay / physics_step))
@@ -232,6 +233,8 @@ class Plant:
     def step(self, torque: npt.NDArray[np.float64]) -> None:
         """Apply joint torques (nj,) for one control period, N·m in joint order, and observe what comes of it."""
         account, address = self._account, self._address
+        if self._ticks < 0:
+            raise BadInput("plant", "no posture", "a plant that stands somewhere", "call reset(q) first")
         _hearing.warnings = self.warnings
         if self._levers:
             self._place_forces()
@@ -286,15 +289,15 @@ class Plant:
         """Set the force (3,) in N, world axes, at a body's CoM (None: the torso's), or at a joint's anchor on its body.
 
         Raises:
-            BadInput: no such body or joint.
+            BadInput: no such body or joint, or no force.
         """
-        if joint is None:
-            self._forces[self.body_id(body), None] = np.array(force)
-        elif joint in self._robot.joint_names:
-            number = 1 + self._robot.joint_names.index(joint)
-            self._forces[int(self._model.jnt_bodyid[number]), number] = np.array(force)
-        else:
+        if np.shape(force) != (3,) or not np.isfinite(force).all():
+            raise BadInput("push.force", force, "3 finite numbers, N")
+        if joint is not None and joint not in self._robot.joint_names:
             raise BadInput("push.joint", joint, "one of " + ", ".join(self._robot.joint_names))
+        number = None if joint is None else 1 + self._robot.joint_names.index(joint)
+        place = self.body_id(body) if number is None else int(self._model.jnt_bodyid[number])
+        self._forces[place, number] = np.array(force)
         self._place_forces()
 
     def _place_forces(self) -> None:
