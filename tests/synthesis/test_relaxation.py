@@ -7,6 +7,7 @@ from gaitsmith.synthesis.motions.catalogue import cyclic
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.requests.summary import largest_torque_rate, plan_document
+from gaitsmith.synthesis.solution import plan
 from gaitsmith.synthesis.solution.relaxation import Before, Relaxation
 
 
@@ -59,6 +60,26 @@ def test_a_step_without_a_gait_within_the_default_is_planned_and_told(planner):
     assert document["torque_rate_bound"] > found.main.default_rate
     assert largest_torque_rate(found.gait) <= document["torque_rate_bound"]
     assert "torque rates of cyclic" in document["warnings"][0]
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_a_default_within_which_no_round_certifies_is_relaxed_too(planner, monkeypatch, given):
+    """As long as the first bound of torque rates is in use, another bound is exceeded between the points."""
+    restart, excess, relaxed = Relaxation.restart, plan.worst_excess, []
+
+    def noted(self):
+        found = restart(self)
+        relaxed.extend([] if found is None else [self.trans.settings.bounds.torque_rate])
+        return found
+
+    monkeypatch.setattr(Relaxation, "restart", noted)
+    monkeypatch.setattr(plan, "worst_excess", lambda checks: excess(checks) if relaxed else max(excess(checks), 0.01))
+    motion, bounds = cyclic(planner.biped, StepParameters(0.20, 0.5)), Bounds(torque_rate=600.0) if given else Bounds()
+    found = planner.plan(motion, Settings(refinements=2, bounds=bounds))
+    assert found.status == ("not certified" if given else "solved"), found.reason
+    assert bool(relaxed) != given
+    if not given:
+        assert found.default_rate < relaxed[0] <= found.gait.bounds["torque_rate"]
 
 
 def test_a_relaxed_bound_goes_with_rates_that_no_round_had_looked_at(relaxation, planner, dynamic):

@@ -89,8 +89,7 @@ class PlanResult:
         fallbacks: how often a slower method took over: IPOPT, unless a ``start`` was given, or the elastic program.
         constraints: rows of the last program.
         worst: every constraint's worst value, the worst first.
-        x, imposed, borders, solution: unknowns, imposed bounds, times of the borders and last solution, from which a
-            neighbour starts warm.
+        x, imposed, borders, solution: what a neighbour starts from: unknowns, bounds, times of borders, the last solve.
         default_rate: N·m/s, the default bound of torque rates where it left no gait; the gait has the one used.
     """
 
@@ -216,8 +215,7 @@ class Planner:
             if not found.solved:
                 text = undecided(trans, program, found, result.iterations)
                 left = settings.max_iterations - result.iterations
-                before = relaxation.restart() if easier and left > 0 else None
-                if before is not None:
+                if easier and left > 0 and (before := relaxation.restart()) is not None:
                     imposed, x, found, first = before.imposed, before.x, before.found, result.rounds
                     continue
                 if examined or left <= 0:
@@ -243,6 +241,9 @@ class Planner:
                 or (not asked and relaxation.accepts(largest_rate(rates), last))
             ):
                 break
+            if last and easier and (before := relaxation.restart()) is not None:
+                imposed, x, found, first = before.imposed, before.x, before.found, result.rounds
+                continue
             if last:
                 worst = certificate(trans, checks)
                 text = f"{worst[0] if not kept else fastest(trans, rates)}, after {result.rounds} refinements"
@@ -265,8 +266,7 @@ class Planner:
         gait.certificate["claims"] = claims_hash(gait)
         gait.certificate["worst"] = [item.as_dict() for item in worst]
         times["check"] += time.perf_counter() - clock
-        default = relaxation.default if relaxation.relaxed else None
-        result = replace(result, worst=worst, imposed=imposed, solution=found, default_rate=default)
+        result = replace(result, worst=worst, imposed=imposed, solution=found, default_rate=relaxation.replaced)
         if held and max(item.violation for item in held.values()) > 0.0:
             reason = f"{ranked(held)[0]}, held; free it, or change its home"
             return replace(result, status="not certified", reason=reason)

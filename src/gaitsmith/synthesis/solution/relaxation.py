@@ -63,6 +63,11 @@ class Relaxation:
         return self.trans.settings.bounds.torque_rate > self.default
 
     @property
+    def replaced(self) -> float | None:
+        """The default, N·m/s, where the bound in use is another one."""
+        return self.default if self.relaxed else None
+
+    @property
     def unbounded(self) -> bool:
         """Whether there is no bound for now."""
         return bool(np.isinf(self.trans.settings.bounds.torque_rate))
