@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import pytest
 from hypothesis import given
@@ -143,6 +143,20 @@ def test_a_byte_order_mark_and_line_ends_of_windows_change_nothing() -> None:
     for text in ('share = 0.5\r\nname = "a"\r\n', 'share = 0.5\nname = "a"\n'):
         assert parse_toml(b"\xef\xbb\xbf" + text.encode(), "x.toml", "a card") == {"share": 0.5, "name": "a"}
     assert parse_json(b'\xef\xbb\xbf{"share": 0.5}') == {"share": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"sped": 1}, "sped: got 1, expected no such entry; .* did you mean speed"),
+        ({"duration": -1}, "duration: got -1, expected a finite number above 0"),
+        ({"speed": (1, 2, 3)}, r"speed: got \(1, 2, 3\), expected one or two finite numbers"),
+        ({"pushes": ({"time": 1.0},)}, r"pushes\[0\]\.impulse: got nothing"),
+    ],
+)
+def test_what_python_gives_is_refused_as_a_file_is(values: dict[str, Any], told: str) -> None:
+    with pytest.raises(BadInput, match=told):
+        Scenario(**values)
 
 
 VALUES = st.recursive(

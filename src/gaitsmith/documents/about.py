@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
 LONGEST_NAME = 200
@@ -14,7 +14,23 @@ FORMULA = "=+-@"  # a spreadsheet takes what begins like this for a formula
 VALID_NAME = f"1 to {LONGEST_NAME} printable characters, the first none of {' '.join(FORMULA)} or a space"
 
 
-class Frozen(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass as _InOurWords
+else:
+
+    class _InOurWords(type(BaseModel)):
+        """What a model refuses when it is built is named as it is when it is read from a file."""
+
+        def __call__(cls, *given: Any, **values: Any) -> Any:
+            try:
+                return super().__call__(*given, **values)
+            except ValidationError as error:
+                from gaitsmith.documents.refusal import refusal  # which reads this module
+
+                raise refusal(error, cls) from None
+
+
+class Frozen(BaseModel, metaclass=_InOurWords):
     """Base of all data that is checked when it is built: frozen, no unknown keys, no NaN."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
