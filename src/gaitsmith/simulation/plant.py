@@ -329,11 +329,13 @@ class Plant:
         return contact_forces(self._model, self._data, self._scratch, self._robot.model.nbody)
 
     def zmp(self) -> tuple[float, float] | None:
-        """Centre of the vertical forces between robot and ground, world, m; None in the air."""
+        """Centre of the vertical forces between robot and ground, world, m; None in the air, and before torques act."""
         found = self.ground_forces()
         total = float(found[:, 5].sum())
-        x, y = found[:, 5] @ found[:, :2] / total if total > 1.0 else (0.0, 0.0)
-        return (float(x), float(y)) if total > 1.0 else None
+        if not total > 1.0 or self.time == 0.0:
+            return None
+        x, y = found[:, 5] @ found[:, :2] / total
+        return float(x), float(y)
 
 
 _hearing = threading.local()
