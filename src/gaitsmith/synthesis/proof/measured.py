@@ -73,24 +73,27 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         assert phase.other is not None
         corners = np.array([(x, y, 0.0) for x, y in biped.corners(phase.contact, phase.other_foot)]).T
         goals = about_vertical(phase.other_heading) @ corners + np.array([*phase.other, phase.other_height])[:, None]
+    feet, bearing = [], []
     for k in range(count):
         finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], root[..., k])
         foot = finder.foot(phase.other_foot, heel)
+        feet.append(foot)
         rows["ankle"][:, k], rows["ankle_velocity"][:, k], _, rotation, *_ = foot
         rows["pivot"][:, k], rows["rotation"][..., k] = foot[0] + rotation @ (pivot - heel), rotation
         own = finder.foot(phase.support, np.zeros(3))
+        bearing.append(own)
         rows["own"][:, k], rows["level"][..., k] = own[0], own[3]
-        if toe is not None:
-            _closure(errors, toe, toe + np.array(phase.stand)[:, None], own)
         torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
         rows["torso"][..., k] = torso
         rows["body"][:, k] = finder.data.xpos[robot.torso_body]
         centre[..., k] = finder.centre_of_mass(), finder.centre_velocity()
         rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2] - phase.height
-        if phase.double:
-            _closure(errors, corners - heel[:, None], goals, foot)
         residual = np.abs(finder.residual(torque[:, k], wrench[:, k])).max() / biped.weight
         errors.residual = larger(errors.residual, residual)
+    if toe is not None:
+        _closure(errors, toe, toe + np.array(phase.stand)[:, None], bearing)
+    if phase.double:
+        _closure(errors, corners - heel[:, None], goals, feet)
     rows["turn"] = other[3:] - _cross(np.einsum("ijn,j->in", rows["rotation"], pivot), other[:3])
     if not phase.double:
         lifted = np.abs(wrench if phase.flies else other).max(initial=0.0)
@@ -122,24 +125,25 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     return found
 
 
-def _closure(errors: Errors, points: Array, goals: Array, foot: tuple[Array, ...]) -> None:
+def _closure(errors: Errors, points: Array, goals: Array, feet: list[tuple[Array, ...]]) -> None:
     """Errors of the contact points of the other foot: they must stay where they are.
 
     Args:
         errors: so far.
         points: (3, n) from the point whose motion is known, sole's frame, m.
         goals: (3, n) where they must be, world, m.
-        foot: motion of that point and of the sole, as :meth:`StateFinder.foot` gives it.
+        feet: at every instant, motion of that point and of the sole, as :meth:`StateFinder.foot` gives it.
     """
-    place, speed, pull, rotation, spin, turn = (values[:, None] if values.ndim == 1 else values for values in foot)
-    arm = rotation @ points
+    place, speed, pull, rotation, spin, turn = (np.array(values) for values in zip(*feet, strict=True))
+    place, speed, pull, spin, turn = (values.T[:, :, None] for values in (place, speed, pull, spin, turn))
+    arm = np.einsum("kij,jn->ikn", rotation, points)
     swing = _cross(spin, arm)
-    found = (1e3 * (place + arm - goals), speed + swing, pull + _cross(turn, arm) + _cross(spin, swing))
+    found = (1e3 * (place + arm - goals[:, None]), speed + swing, pull + _cross(turn, arm) + _cross(spin, swing))
     for name, error in zip(CLOSURE, found, strict=True):
-        errors.closure[name] = larger(errors.closure[name], np.abs(error).max())
+        errors.closure[name] = larger(errors.closure[name], np.abs(error).max(initial=0.0))
 
 
 def _cross(one: Array, two: Array) -> Array:
-    """(3, N) products of columns; NumPy's own takes ten times as long for few."""
+    """(3, ...) products of vectors; NumPy's own takes ten times as long for few."""
     (a, b, c), (d, e, f) = one, two
     return np.array([b * f - c * e, c * d - a * f, a * e - b * d])
