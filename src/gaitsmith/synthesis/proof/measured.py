@@ -73,7 +73,7 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
         assert phase.other is not None
         corners = np.array([(x, y, 0.0) for x, y in biped.corners(phase.contact, phase.other_foot)]).T
         goals = about_vertical(phase.other_heading) @ corners + np.array([*phase.other, phase.other_height])[:, None]
-    feet, bearing = [], []
+    feet, bearing = list[tuple[Array, ...]](), list[tuple[Array, ...]]()
     for k in range(count):
         finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], root[..., k])
         foot = finder.foot(phase.other_foot, heel)

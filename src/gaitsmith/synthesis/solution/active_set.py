@@ -26,7 +26,7 @@ _FLAT = 1e-6  # of the largest curvature, the least that a step assumes
 _LENT = 1.0  # of the largest curvature, what a bound that is met lends
 _TRIFLE = 1e-9  # share of the largest multiplier
 _ROUNDS = 30
-_LIMIT = 2000  # iterations of DAQP
+_LIMIT, _FROM_NOTHING = 2000, 1000  # iterations of DAQP; where no bound is known and they contradict each other
 _FREE = 1e-8  # of the largest: how much a row changes within what the equalities leave free, to count as free itself
 _SOFT, _SOFTNESS = 8, 1e-7  # DAQP's word for a bound that may be exceeded, and by how much for a unit of multiplier
 
@@ -118,7 +118,7 @@ def active_set_step(
     known = np.zeros(len(low), dtype=bool)
     new = bounded[(side[bounded] != 0) | _beyond(move, low, high)[bounded]]
     work, slopes = np.zeros(0, dtype=np.int64), np.zeros((0, len(best)))
-    largest = 0.0
+    largest, soft = 0.0, False
     y, lam, step = np.zeros(len(best)), np.zeros(0), least
     for _ in range(_ROUNDS):
         if not len(new):
@@ -131,9 +131,12 @@ def active_set_step(
         work, slopes = np.concatenate([work, new]), np.vstack([slopes, more])
         above, below = high[work] - move[work], low[work] - move[work]
         sense = np.where(side[work] > 0, 1, np.where(side[work] < 0, 3, 0)).astype(np.int32)
-        y, _, flag, info = _shortest(slopes, above, below, sense, _LIMIT)
-        if flag <= 0 and (nearly or guess.any()):  # bounds that depend on each other: nearly all of them are kept
-            y, _, flag, info = _shortest(slopes, above, below, sense | _SOFT, _LIMIT, rho_soft=_SOFTNESS)
+        if not soft:
+            y, _, flag, info = _shortest(slopes, above, below, sense, _LIMIT)
+            soft = flag <= 0 and bool(nearly or guess.any())
+        if soft:  # bounds that depend on each other: nearly all of them are kept, and more of them change nothing
+            most = _LIMIT if guess.any() else _FROM_NOTHING
+            y, _, flag, info = _shortest(slopes, above, below, sense | _SOFT, most, rho_soft=_SOFTNESS)
         if flag <= 0 or not np.isfinite(y).all():
             return None
         lam = info["lam"]
