@@ -38,3 +38,10 @@ def test_velocity_and_acceleration_are_derivatives(robot, motion, support):
     assert np.abs(velocity - now.velocity).max() < SLOPE * np.abs(now.velocity).max()
     acceleration = (after.velocity - before.velocity) / (2.0 * STEP)
     assert np.abs(acceleration - now.acceleration).max() < SLOPE * np.abs(now.acceleration).max()
+
+
+def test_a_root_of_zeros_stands_still(robot, motion):
+    finder = StateFinder(robot)
+    still, zeros = (finder.find("left", PLACE, *motion(0.3), root) for root in (None, np.zeros((3, 6))))
+    for name in ("position", "velocity", "acceleration"):
+        assert (getattr(still, name) == getattr(zeros, name)).all()
