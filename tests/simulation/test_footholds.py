@@ -48,6 +48,13 @@ def test_a_step_once_chosen_is_kept() -> None:
     assert land(ground, 1.5).place[0] > 1.5
 
 
+def test_a_foot_that_comes_from_afar_stays_before_the_edge() -> None:
+    """What the walk wants is nearer to the next tread, but the swing is not to be longer than two soles."""
+    ground, wanted = MappedGround(STAIRS), np.array([1.49, 0.1])
+    near, far = (ground.landing(SOLE, np.array([1.49 - way, 0.1, 0.0]), wanted, 0.0).place[0] for way in (0.15, 0.36))
+    assert near > 1.5 > far
+
+
 @given(st.floats(1.2, 3.0), st.floats(-15.0, 15.0))
 def test_even_ground_moves_no_foothold(wanted: float, degrees: float) -> None:
     found = land(MappedGround(Terrain("slope", degrees)), wanted)

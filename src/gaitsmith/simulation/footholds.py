@@ -32,7 +32,8 @@ _CLEAR = 0.5, 0.5  # of a climb, and of a drop, that the sole is lifted higher
 _EDGE = 0.1  # of the sole's length, from its ends: between them it bears the walk as well as at its middle
 _MISSED, _TURNED = 4.0, 3.0  # cost of a place that the sole cannot bear, and of another one than before, per m moved
 _COLUMNS = 3  # x, y, z
-_FREE = 0.12  # of the period: so long after its swing began a sole may be sent to any other place
+_WIDE = 2.0  # of the sole's length: a longer way of the swing foot costs as much as a place that cannot bear
+_FREE = 0.3  # of the period: so long after its swing began a sole may be sent to any other place
 _LARGEST = 1_000_000  # bytes of a file of footholds
 
 
@@ -131,12 +132,14 @@ class MappedGround:
             if below is not None and (even := below[1] <= _LEVEL * length).any():
                 bears = np.clip(-moved, _EDGE * length - sole.heel, sole.toe - _EDGE * length)
                 cost = np.abs(moved) + _MISSED * np.abs(moved + bears)
+                way = wanted + moved[:, None] * ahead - start[:2]
+                cost += _MISSED * np.maximum(np.linalg.norm(way, axis=1) - _WIDE * length, 0.0)
                 if before is not None:
                     cost += _TURNED * np.abs(moved - (before - wanted) @ ahead)
                 best = int(np.argmin(np.where(even, cost, np.inf)))
                 place, height = wanted + moved[best] * ahead, below[0][best]
-        way = start[:2] + np.linspace(0.0, 1.0, 9)[:, None] * (place - start[:2])
-        between = self.ground.heights(*way.T)
+        passed = start[:2] + np.linspace(0.0, 1.0, 9)[:, None] * (place - start[:2])
+        between = self.ground.heights(*passed.T)
         if np.isnan(between).any():
             return None
         highest = max(float(between.max()), float(height))
