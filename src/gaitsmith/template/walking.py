@@ -24,8 +24,6 @@ from gaitsmith.template.trajectory import follow_foothold, support_foot, swing_f
 from gaitsmith.whole_body.frames import Frames, to_heading, to_world
 from gaitsmith.whole_body.reference import FLAT, HIPS, NONE, WORLD, level_rotation
 
-_LEAVING = 0.1  # of √(g z): speed of a bearing sole without load that is no longer on the ground
-
 
 @kernel
 def plan_step(g: Template, dt: float) -> None:
@@ -167,31 +165,17 @@ def _refer_sole(g: Template, leg: int) -> None:
 
 
 @kernel
-def _has_left(g: Template, leg: int) -> bool:
-    """Whether the bearing sole has left the ground: it bears nothing, and moves.
-
-    A robot that is thrown up must not push against ground that is not there: it would turn over within a tenth of a
-    second. That the sole moves tells it from one whose force sensor is dead.
-    """
-    twist, speed = g.body.frames.sole_twist[leg], 0.0
-    for axis in range(3):
-        speed += twist[axis] ** 2
-    fastest = _LEAVING * math.sqrt(g.foothold.gravity * max(g.forecast.arm[2], g.foothold.lowest_com))
-    return bool(g.sole_force[leg] < g.touchdown.force and speed > fastest * fastest)
-
-
-@kernel
 def refer_walking(g: Template) -> None:
     """Contacts, soles, balance and weights of this tick; joints follow by :func:`track_leg`.
 
-    Swing leg: all joints. Stance leg: the knee alone, so that hip and ankle are free to balance; in the air all.
+    Swing leg: all joints. Stance leg: the knee alone, so that hip and ankle are free to balance.
     """
     step, latched, legs, frames = g.step, g.latched, g.body.legs, g.body.frames
     reference, cop = g.reference, g.balance.cop
     stance = step.stance[0]
-    swing, bears = legs.other[stance], not _has_left(g, stance)
+    swing = legs.other[stance]
     for leg in range(legs.side.shape[0]):
-        reference.contact[leg] = FLAT if leg == stance and bears else NONE
+        reference.contact[leg] = FLAT if leg == stance else NONE
         reference.cop_weight[leg] = reference.load_weight[leg] = 0.0
         _refer_sole(g, leg)
         for axis in range(3):
@@ -199,11 +183,10 @@ def refer_walking(g: Template) -> None:
                 reference.sole_rotation[leg, axis, k] = frames.sole_rotation[leg, axis, k]
     pitch, yaw = swing_pitch(step, latched, g.ground.pitch[0]), frames.yaw[0] + swing_yaw(step, latched)
     level_rotation(math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch), reference.sole_rotation[swing])
-    for leg in range(legs.side.shape[0]):
-        for i in range(legs.joints.shape[1] if leg == swing or not bears else 0):
-            joint = legs.joints[leg, i]
-            ankle = joint == legs.ankle_pitch[leg]
-            reference.joint_weight[joint] = g.shares.swing_ankle if ankle else g.shares.swing_joint
+    for i in range(legs.joints.shape[1]):
+        joint = legs.joints[swing, i]
+        ankle = joint == legs.ankle_pitch[swing]
+        reference.joint_weight[joint] = g.shares.swing_ankle if ankle else g.shares.swing_joint
     reference.joint_weight[legs.knee[stance]] = g.shares.knee
     reference.hip_height_weight[0] = 0.0
     for axis in range(3):
@@ -220,4 +203,4 @@ def refer_walking(g: Template) -> None:
         past = max(edge[0] * x + edge[1] * y - max(edge[2] - g.cop.margin, 0.0), 0.0)
         x, y = x - past * edge[0], y - past * edge[1]
     reference.cop[stance, 0], reference.cop[stance, 1] = x, y if legs.half_width[stance] > 0.0 else 0.0
-    reference.cop_weight[stance] = 1.0 if bears else 0.0
+    reference.cop_weight[stance] = 1.0
