@@ -7,7 +7,9 @@ import pytest
 
 from gaitsmith.cli import plan as command
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation.run_folder import check_file
+from gaitsmith.robots import load_robot
+from gaitsmith.simulation.run_folder import check_file, log_notes
+from gaitsmith.simulation.scenario import Scenario
 
 
 def test_files_that_cannot_be_written(tmp_path: Path) -> None:
@@ -60,3 +62,14 @@ def test_gait_and_figures_are_both_there_or_neither(
     fails.clear()
     assert command._write(None, None, out, figures, lambda _: None) == [str(figures / "one.png")]
     assert sorted(os.listdir(tmp_path)) == ["gait.json", "new"]
+
+
+def test_a_log_tells_where_its_robot_and_files_are_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "card").mkdir()
+    notes = log_notes(Scenario(robot="card", policy="p.onnx"), load_robot("bhr_b2"), 1e-3, {})["scenario"]
+    assert (notes["robot"], notes["policy"]) == (str(tmp_path / "card"), str(tmp_path / "p.onnx"))
+    notes = log_notes(Scenario(robot="bhr_b2"), load_robot("bhr_b2"), 1e-3, {})["scenario"]
+    assert (notes["robot"], notes["policy"]) == ("bhr_b2", "")

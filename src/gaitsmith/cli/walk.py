@@ -19,6 +19,7 @@ from gaitsmith.simulation.run_folder import (
     SCENARIO,
     NewFolder,
     check_new_folder,
+    portable,
     scenario_toml,
     write_summary,
 )
@@ -38,7 +39,8 @@ class _Walk(Arguments):
     """
 
     scenario: Annotated[
-        str | None, Positional("Scenario file (TOML), or figure5: the paper's speed profile", metavar="SCENARIO")
+        str | None,
+        Positional("Scenario file (TOML), or the paper's figure5, 7, 8, 10 or 11, as figure5", metavar="SCENARIO"),
     ] = None
     out: Annotated[
         str | None,
@@ -114,7 +116,7 @@ def _run(scenario: Scenario, arguments: _Walk, folder: Path | None) -> tuple[Sim
             simulation = Simulation(scenario, record=made.log if made else False)
             tell_old_card(simulation.robot)
             if made is not None:
-                write_text_atomic(made.path / SCENARIO, scenario_toml(_portable(scenario)))
+                write_text_atomic(made.path / SCENARIO, scenario_toml(portable(scenario)))
             name, end = f"walking {simulation.robot.card.name}", scenario.duration
             tell = lambda time: display.show(name, f"{time:.1f} of {end:g} s", time, end)  # noqa: E731
             return simulation, simulation.run(tell)
@@ -151,16 +153,3 @@ def _draw(folder: Path, simulation: Simulation) -> None:
             write_figures(Recording(log, simulation.robot, simulation.wall_times.histogram(), fell), folder)
         except (GaitsmithError, OSError, MemoryError) as error:
             display.say(f"figures: {error}; log and summary are in {folder}")
-
-
-def _portable(scenario: Scenario) -> Scenario:
-    """The scenario with its paths made absolute, so that it runs from any folder."""
-    from gaitsmith.robots import robot_names
-
-    found: dict[str, Any] = {"gait": tuple(str(Path(path).resolve()) for path in scenario.gait)}
-    found |= {name: str(Path(path).resolve()) for name in ("policy", "library") if (path := getattr(scenario, name))}
-    if scenario.footholds not in ("", "terrain"):
-        found["footholds"] = str(Path(scenario.footholds).resolve())
-    if scenario.robot.replace("-", "_") not in robot_names():
-        found["robot"] = str(Path(scenario.robot).resolve())
-    return scenario.model_copy(update=found)

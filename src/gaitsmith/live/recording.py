@@ -12,7 +12,7 @@ import numpy as np
 from gaitsmith.errors import BadInput
 from gaitsmith.files import write_text_atomic
 from gaitsmith.log.record import DECIMATION, Recorder
-from gaitsmith.simulation.run_folder import LOG, SCENARIO, NewFolder, log_notes, scenario_toml, write_summary
+from gaitsmith.simulation.run_folder import LOG, SCENARIO, NewFolder, log_notes, portable, scenario_toml, write_summary
 
 if TYPE_CHECKING:
     from gaitsmith.simulation.episode import Simulation
@@ -52,7 +52,7 @@ class Recording:
         try:
             made = NewFolder(folder)
             self._file = made.log()
-            write_text_atomic(folder / SCENARIO, scenario_toml(scenario))
+            write_text_atomic(folder / SCENARIO, scenario_toml(portable(scenario)))
             first, *rest = simulation.columns.buffers
             scene = simulation.scene_log()
             buffers = (self._time, first[1:], *rest)  # the first number is the time
@@ -72,7 +72,7 @@ class Recording:
         try:
             length = max(self._simulation.time - self._began, self._simulation.plant.control_step)
             scenario = self._scenario.model_copy(update={"duration": length})
-            write_text_atomic(self.done / SCENARIO, scenario_toml(scenario))
+            write_text_atomic(self.done / SCENARIO, scenario_toml(portable(scenario)))
             if self._simulation.loop.over:
                 self._recorder.observe(0)  # the last tick, whatever its number: the fall
             self._recorder.close()

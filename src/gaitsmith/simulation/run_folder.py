@@ -66,10 +66,23 @@ def check_new_folder(name: str, field: str = "--out") -> Path:
     return folder
 
 
+def portable(scenario: Scenario) -> Scenario:
+    """The scenario with its paths made absolute, so that it runs from any folder."""
+    from gaitsmith.robots import robot_names
+
+    found: dict[str, Any] = {"gait": tuple(os.path.realpath(path) for path in scenario.gait)}
+    found |= {name: os.path.realpath(path) for name in ("policy", "library") if (path := getattr(scenario, name))}
+    if scenario.footholds not in ("", "terrain"):
+        found["footholds"] = os.path.realpath(scenario.footholds)
+    if scenario.robot.replace("-", "_") not in robot_names() and os.path.exists(scenario.robot):
+        found["robot"] = os.path.realpath(scenario.robot)
+    return scenario.model_copy(update=found)
+
+
 def log_notes(scenario: Scenario, robot: Robot, step: float, gait: dict[str, Any]) -> dict[str, Any]:
     """What a log says of its run: scenario, robot, control period (s), and the gait inputs commanded first."""
     return {
-        "scenario": scenario.model_dump(mode="json"),
+        "scenario": portable(scenario).model_dump(mode="json"),
         "robot": robot.card.name,
         "robot_hash": robot.content_hash,
         "control_step": step,
