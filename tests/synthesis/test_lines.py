@@ -15,11 +15,14 @@ from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import ROLL, unrolled
 from gaitsmith.synthesis.gaits.support import hull, inside
 from gaitsmith.synthesis.gaits.walkable import walkable
-from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.biped import standing
+from gaitsmith.synthesis.motions.catalogue import cyclic, start
 from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.proof.measured import Errors, measure
+from gaitsmith.synthesis.proof.quantities import quantity
 from gaitsmith.synthesis.proof.rigorous import prove
 from gaitsmith.synthesis.proof.verify import verify
-from gaitsmith.synthesis.requests.request import stride
+from gaitsmith.synthesis.requests.request import leaning, stride
 
 STEP = StepParameters.sized(0.7645, 0.12, 0.4)
 UPRIGHT = 0.98  # cosine of the torso's tilt: 11 degrees, of which the plan has 7
@@ -53,6 +56,35 @@ def test_a_gait_on_lines_agrees_with_physics_at_all_times(gait, robot):
     assert verdict.zmp_margin > 10.0
     open_ = [item for item in prove(gait, robot) if not item.ok]
     assert not open_, open_
+
+
+def test_a_start_on_lines_leads_to_the_gait_and_is_proved(gait, planner, robot):
+    """It ends as the gait begins: joints, lean and its rate agree, and the foot that will be lifted bears nothing."""
+    goal = tuple(values[:, 0] for values in gait.joints(0, np.array([0.0])))
+    found = planner.plan(start(planner.biped, STEP, standing(planner.biped), goal)).gait
+    assert found is not None
+    assert not verify(found, robot).problems
+    open_ = [item for item in prove(found, robot) if not item.ok]
+    assert not open_, open_
+    last, end, begin = len(found.pieces) - 1, np.array([found.duration]), np.array([0.0])
+    for now, then in zip(found.joints(last, end), gait.joints(0, begin), strict=True):
+        assert np.allclose(now, then, atol=1e-6)
+    assert np.allclose(found.roots(last, end)[:, ROLL], gait.roots(0, begin)[:, ROLL], atol=1e-5)
+    assert np.abs(found.wrenches(last, end)[:6]).max() < 1e-6 * planner.biped.weight
+
+
+def test_a_stop_on_lines_begins_with_the_lean_of_its_gait(gait, planner):
+    """Its conditions fix what the joints leave open: with another lean or rate the sole is not where and as it is."""
+    conditions = leaning(planner.biped, gait)
+    turned = [replace(piece, root=piece.root + np.eye(1, piece.root.shape[1], 0) * 0.01) for piece in gait.pieces[0]]
+    faster = [replace(piece, root=piece.root + np.eye(1, piece.root.shape[1], 1) * 0.01) for piece in gait.pieces[0]]
+    assert [(item.quantity, item.border) for item in conditions] == [("sole_z", 0), ("ankle_vz", 0)]
+    for pieces, same in ((gait.pieces[0], (True, True)), (turned, (False, None)), (faster, (True, False))):
+        measured = measure(replace(gait, pieces=(tuple(pieces), *gait.pieces[1:])), planner.biped.whole,
+                           StateFinder(planner.biped.robot), 0, np.array([0.0]), Errors())  # fmt: skip
+        for item, agrees in zip(conditions, same, strict=True):
+            value = quantity(measured, planner.biped.whole, gait.motion.phases[0], item.quantity)
+            assert agrees is None or bool(abs(float(value[0]) - item.value) < 1e-6) == agrees
 
 
 def test_no_lean_but_the_right_one_is_accepted(gait, robot):

@@ -205,15 +205,15 @@ def start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Ar
     right, left, right2 = (0.0, -half), (length, half), (2.0 * length, -half)
     phases = [Phase("weight shift", step.shift, "right", "flat", right, (0.0, half), 2)]
     phases += _swing(biped, step, "right", right) + _transfer(biped, step, "right", right, left)
+    second = len(phases)
     phases += _swing(biped, step, "left", left) + _transfer(biped, step, "left", left, right2)
+    pitches = () if biped.lines else (_strike(step, 3), _off(step, second), _strike(step, second + 2))
     conditions: tuple[Condition, ...] = (
         State(0, rest, np.zeros_like(rest), np.zeros_like(rest)),
         *_apex(biped, step, 2),
-        _strike(step, 3),
-        _off(step, 6),
-        *_apex(biped, step, 7),
-        _strike(step, 8),
-        State(11, *goal),
+        *_apex(biped, step, second + 1),
+        *pitches,
+        State(len(phases), *goal),
     )
     return Motion("start", tuple(phases), conditions, parameters=record("start", step), slope=step.slope)
 
@@ -223,15 +223,15 @@ def stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Ar
     half, length = biped.width / 2.0, step.length
     right, left, right2 = (0.0, -half), (length, half), (length, -half)
     phases = _swing(biped, step, "right", right) + _transfer(biped, step, "right", right, left)
+    second = len(phases)
     phases += _swing(biped, step, "left", left)
     phases.append(Phase("weight shift", step.shift, "left", "flat", left, right2, 2))
     conditions: tuple[Condition, ...] = (
         State(0, *begin),
         *_apex(biped, step, 1),
-        _strike(step, 2),
-        _off(step, 5),
-        *_apex(biped, step, 6),
-        State(8, rest, np.zeros_like(rest), np.zeros_like(rest)),
+        *_apex(biped, step, second + 1),
+        *(() if biped.lines else (_strike(step, 2), _off(step, second))),
+        State(len(phases), rest, np.zeros_like(rest), np.zeros_like(rest)),
     )
     return Motion("stop", tuple(phases), conditions, parameters=record("stop", step), slope=step.slope)
 

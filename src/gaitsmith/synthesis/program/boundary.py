@@ -200,7 +200,7 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             fixed |= {(3, k) for k in range(4)}
         if motion.meets(index):
             fixed |= {(row, 0) for row in range(6)}
-        if motion.leaves(index):
+        if motion.leaves(index) or (layout.leans and index == len(phases) - 1 and _goes_on(motion)):
             fixed |= {(row, 3) for row in range(6)}
         for row, k in sorted(fixed):
             rows.add(label, 0.0, 0.0, lin={int(columns[row, k]): 1.0})
@@ -230,6 +230,13 @@ def wrench_rows(rows: Rows, trans: Transcription, points: Points) -> None:
             # The wrench on the sole that was the support, seen in the mirrored frame of the new one.
             seen = -frame[row] * _MIRROR / trans.biped.weight
             rows.add(label, 0.0, 0.0, _sum(point * layout.outputs + layout.force, dict(enumerate(seen.tolist()))), lin)
+
+
+def _goes_on(motion: Motion) -> bool:
+    """Whether a motion ends in the midst of another one: with a whole state that is not at rest."""
+    last = len(motion.phases)
+    states = [item for item in motion.conditions if isinstance(item, State) and item.border == last]
+    return any(item.velocity is not None and item.acceleration is not None and item.velocity.any() for item in states)
 
 
 def _taken_over(rows: Rows, trans: Transcription, points: Points, index: int, label: Label) -> None:

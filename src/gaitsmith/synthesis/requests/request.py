@@ -14,8 +14,9 @@ import numpy.typing as npt
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.files.gait_file import claims_hash
 from gaitsmith.synthesis.files.motion_file import read_motion
+from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, follow, moved_value
-from gaitsmith.synthesis.motions.biped import REST, standing
+from gaitsmith.synthesis.motions.biped import REST, Biped, standing
 from gaitsmith.synthesis.motions.catalogue import (
     JumpParameters,
     KickParameters,
@@ -26,7 +27,7 @@ from gaitsmith.synthesis.motions.catalogue import (
     start,
     stop,
 )
-from gaitsmith.synthesis.motions.motion import Condition, Motion, Same
+from gaitsmith.synthesis.motions.motion import At, Condition, Motion, Same
 from gaitsmith.synthesis.motions.quantities import QUANTITIES
 from gaitsmith.synthesis.motions.settings import LEG, Settings
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
@@ -39,6 +40,7 @@ from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 Array = npt.NDArray[np.float64]
 Kind = Literal["cyclic", "start", "stop", "walk", "kick", "stairs", "turn", "jump"]
 KINDS: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk", "kick", "stairs", "turn", "jump")
+ON_LINES: tuple[Kind, ...] = ("cyclic", "start", "stop", "walk")  # of soles that are lines
 RANGES = {"--speed": (0.01, 2.0), "--step-length": (0.005, 1.0), "--period": (0.1, 10.0)}  # m/s, m, s
 KICK_SPEEDS = (0.1, 20.0)  # m/s, of the ankle
 MOST_CYCLES = 250  # a gait file of 50 MB holds about 300
@@ -168,8 +170,8 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
         BadInput: numbers that cannot be used.
     """
     biped, settings = planner.biped, request.settings
-    if biped.lines and request.kind != "cyclic":
-        valid = "cyclic, or a motion file, for a robot whose soles are lines"
+    if biped.lines and request.kind not in ON_LINES:
+        valid = f"{', '.join(ON_LINES)}, or a motion file, for a robot whose soles are lines"
         raise BadInput("MOTION", request.kind, valid, "it does not stand still on one of them")
     results: dict[str, PlanResult] = {}
 
@@ -229,10 +231,27 @@ def _ends(
     begin = run(first(biped, request.step, rest, state), settings) if request.kind != "stop" else None
     if begin is not None and (begin.gait is None or request.kind == "start"):
         return Answer(results, begin.gait)
-    end = run(last(biped, request.step, rest, state), settings)
+    closing = last(biped, request.step, rest, state)
+    closing = replace(closing, conditions=closing.conditions + leaning(biped, cycle.gait))
+    end = run(closing, settings)
     if request.kind == "stop" or begin is None or end.gait is None or begin.gait is None:
         return Answer(results, end.gait)
     return Answer(results, _joined(planner, request, begin, cycle, end))
+
+
+def leaning(biped: Biped, gait: Gait) -> tuple[Condition, ...]:
+    """What a motion that begins as a gait does shares beside its joints: the lean of a line sole, and its rate.
+
+    They are those with which the other sole is on the ground and its ankle as fast as the gait's.
+    """
+    if not biped.lines:
+        return ()
+    phase, begin, finder = gait.motion.phases[0], np.array([0.0]), StateFinder(biped.robot)
+    q, v, a = gait.joints(0, begin)
+    finder.find(phase.support, phase.stand, q[:, 0], v[:, 0], a[:, 0], gait.roots(0, begin)[..., 0])
+    leg = biped.leg(phase.other_foot)
+    speed = finder.foot(phase.other_foot, -leg.sole_rotation.T @ leg.sole_position)[1]
+    return At(0, "sole_z", 0.0), At(0, "ankle_vz", float(speed[2]))
 
 
 def answer_file(planner: Planner, path: Path, report: _REPORT | None = None) -> Answer:
