@@ -81,6 +81,11 @@ def test_flags_name_the_feet_and_a_body_that_is_none_is_refused() -> None:
         found(MadeUp(), torso="l_shank")
 
 
+def test_a_model_in_millimetres_is_refused() -> None:
+    with pytest.raises(BadInput, match=r"got '\d{3} m', .*a model in other units than metres"):
+        find_anatomy(MadeUp(scale=1000.0).model(), "made_up.xml")
+
+
 def test_a_foot_without_shapes_below_an_ankle_with_one_is_the_foot() -> None:
     anatomy = find_anatomy(MadeUp(sole="none", ankle_ball=True).model(), "made_up.xml")
     assert [leg.roles[-2:] for leg in anatomy.legs] == [("pitch", "roll")] * 2

@@ -23,6 +23,7 @@ from gaitsmith.errors import BadInput
 Array = NDArray[np.float64]
 
 ROLES = ("roll", "pitch", "yaw")
+_SIZES = (0.01, 20.0)  # m, of hip height
 _ANKLE = 0.28  # of hip height: an ankle is below
 _LONG = 2.0  # y extent over z extent of a model whose y is up
 _SNAP = np.radians(5.0)  # a body's axis this near to forward or up is meant to be it
@@ -164,6 +165,9 @@ def _anatomy(tree: Links, coupled: Mapping[str, str], flags: Flags) -> Anatomy:
     axes = np.column_stack([sign * ahead, sign * left, up])
     ordered = legs if sign > 0.0 else legs[::-1]
     height = float(np.mean([h[2] for h in hips])) - min(lowest(leg.shapes, leg.ankle)[2] for leg in legs)
+    if not _SIZES[0] <= height <= _SIZES[1]:
+        valid = f"hips {_SIZES[0]:g} to {_SIZES[1]:g} m above the soles"
+        raise BadInput(entry, f"{height:.3g} m", valid, "a model in other units than metres has to be scaled")
     named = tuple(replace(leg, name=name) for leg, name in zip(ordered, ("left", "right"), strict=True))
     return Anatomy(data, torso, axes, rotation.T @ axes, source, (named[0], named[1]), height)
 
