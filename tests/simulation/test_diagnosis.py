@@ -8,6 +8,7 @@ from gaitsmith.robots import load_robot
 from gaitsmith.simulation import Scenario
 from gaitsmith.simulation.diagnosis import suspects, weak_push
 from gaitsmith.simulation.disturbances import Push
+from gaitsmith.simulation.limits import MISTAKEN
 from gaitsmith.simulation.reactions import Reaction
 from gaitsmith.simulation.replay import why
 
@@ -40,6 +41,27 @@ def test_a_push_that_any_walk_withstands_comes_after_uneven_ground():
             *({"push", "terrain"} - {first}),
             "estimated",
         ]
+
+
+@pytest.mark.parametrize(
+    ("slip", "wrong", "blamed", "first"),
+    [
+        (None, 2.8, None, "estimated"),  # the speed was wrong before anything else
+        (None, 3.4, None, "terrain"),  # it fell already
+        (None, None, 2.9, "reading"),  # a good sensor was taken for broken
+        (2.7, 2.8, None, "friction"),  # it slipped, and the speed was wrong for that
+        (2.9, 2.8, None, "estimated"),
+    ],
+)
+def test_an_estimate_that_is_wrong_goes_before_the_ground(slip, wrong, blamed, first):
+    """On boxes, on a floor of 0.4: what was wrong first, and well before the fall at 3.6 s."""
+    hits = [("left sole slipping", slip)] if slip else []
+    hits += [(MISTAKEN, wrong)] if wrong else []
+    reactions = [Reaction(time=blamed, component="left_knee.angle", type="stuck", reaction="x")] if blamed else []
+    rough = {"terrain": "boxes:0.05", "friction": 0.4}
+    hits = sorted(hits + LIMITS, key=lambda hit: hit[1])
+    assert kinds(Scenario(state="estimated", **rough), hits, (), reactions)[0] == first
+    assert kinds(Scenario(**rough), hits, (), reactions)[0] in ("friction", "terrain")
 
 
 def test_the_latest_push_first():

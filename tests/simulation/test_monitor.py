@@ -12,6 +12,7 @@ from gaitsmith.control import Controller
 from gaitsmith.log.columns import Columns
 from gaitsmith.simulation import monitor as monitoring
 from gaitsmith.simulation.belief import Belief
+from gaitsmith.simulation.limits import MISTAKEN
 from gaitsmith.simulation.monitor import Monitor
 from gaitsmith.simulation.plant import Plant
 
@@ -95,6 +96,7 @@ def test_limits_are_named(watched):
     telemetry.wrench[6] = -0.6 * 300.0
     telemetry.qp_infeasible[0] = 1.0
     telemetry.touchdowns_forced[0] = 1.0
+    telemetry.com_velocity[1] = plant.truth.com_velocity[1] + 0.07 * np.sqrt(9.81 * robot().card.gait.height)
     plant.truth.leg_contact[0] = 1.0
     monitor.observe(0)
     assert _hit(monitor) == {
@@ -105,6 +107,7 @@ def test_limits_are_named(watched):
         "whole-body QP infeasible",
         "step ended by the clock",
         "legs touching each other",
+        MISTAKEN,
     }
     plant.truth.leg_contact[0] = 0.0
     monitor.observe(1)

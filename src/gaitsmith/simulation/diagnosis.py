@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from gaitsmith.simulation.limits import MISTAKEN
 from gaitsmith.simulation.reactions import Reaction
 from gaitsmith.simulation.scenario import Scenario
 from gaitsmith.simulation.terrain import SLOPE_START, parse_terrain
@@ -73,7 +74,11 @@ def suspects(
     found = [*stopped, *_failed(scenario, onset, fell), *pushed[0]]
     slips = [(name, when) for name, when in hits if "slipping" in name]
     slippery = scenario.friction < _USUAL_FRICTION or scenario.terrain.startswith("ice")
-    if slips and slippery:
+    believed = _believed(scenario, hits, reactions, onset, fell)
+    first = slips and slippery and (not believed or slips[0][1] <= believed[0][1])
+    found += [_friction(scenario, slips)] if first else []
+    found += [suspect for suspect, _ in believed]
+    if slips and slippery and not first:
         found.append(_friction(scenario, slips))
     found += _ground(scenario, place)
     found += [*_plant(scenario), *pushed[1]]
@@ -81,8 +86,9 @@ def suspects(
         found.append(_friction(scenario, slips))
     if slips and not slippery:
         found.append(Suspect("friction", f"{slips[0][0]} at {slips[0][1]:.3f} s"))
-    found += _noticed(scenario, reactions, onset, fell)
-    if scenario.state == "estimated":
+    if not believed:
+        found += _noticed(scenario, reactions, onset, fell)
+    if scenario.state == "estimated" and not believed:
         found.append(Suspect("estimated", "state estimated from noisy sensors"))
     found += [*_commanded(scenario, fell), *_limits(hits)]
     return found or [Suspect("none", "nothing that is known")]
@@ -103,6 +109,23 @@ def _noticed(scenario: Scenario, reactions: Sequence[Reaction], onset: float, fe
     if scenario.faults or not seen:
         return []
     return [Suspect("reading", f"{seen[0].component}, {seen[0].type} at {seen[0].time:.3f} s")]
+
+
+def _believed(
+    scenario: Scenario, hits: Sequence[tuple[str, float]], reactions: Sequence[Reaction], onset: float, fell: float
+) -> list[tuple[Suspect, float]]:
+    """What the estimated state was wrong about well before the fall, the first first, and when, s.
+
+    A speed that is far from the true one, or sensors taken for broken; what comes while it falls does not count.
+    """
+    if scenario.state != "estimated" or scenario.faults:
+        return []
+    wrong = [(Suspect("estimated", f"{name} at {when:.3f} s"), when) for name, when in hits if name == MISTAKEN]
+    for e in reactions:
+        if e.time >= onset - _BEFORE and e.component not in _NOT_READ and not e.component.endswith(".motor"):
+            wrong.append((Suspect("reading", f"{e.component}, {e.type} at {e.time:.3f} s"), e.time))
+            break
+    return sorted([entry for entry in wrong if entry[1] <= fell - _BEFORE], key=lambda entry: entry[1])
 
 
 def weak_push(robot: Robot) -> float:

@@ -18,6 +18,7 @@ _EDGE = 1e-3  # m within which the ZMP or a foothold counts as on its bound
 _STOP = 5e-3  # rad within which a joint counts as on its limit
 _SLIDING = 0.1  # √(gH) above which a loaded sole slips
 _BEHIND = 0.07  # H by which a swing foot that is farther from its target lags
+_MISTAKEN = 0.06  # √(gH) by which the speed that the controller believes is wrong
 _HELD = 5e-3  # s that a limit has to be hit without a pause; shorter ones are the solver's business
 
 
@@ -41,6 +42,7 @@ class Seen(NamedTuple):
     zmp: Vector
     qp_infeasible: Vector
     touchdowns_forced: Vector
+    believed_velocity: Vector
     com_velocity: Vector
     torso: Vector
     attitude: Vector
@@ -85,8 +87,10 @@ class Flags(NamedTuple):
     legs: IntVector
     infeasible: IntVector
     forced: IntVector
+    mistaken: IntVector
 
 
+MISTAKEN = "estimated speed far from the true one"
 _WORDS = {
     "torque": "torque of {} saturated",
     "velocity": "speed limit of {}",
@@ -101,6 +105,7 @@ _WORDS = {
     "legs": "legs touching each other",
     "infeasible": "whole-body QP infeasible",
     "forced": "step ended by the clock",
+    "mistaken": MISTAKEN,
 }
 _AT_ONCE = ("legs", "infeasible", "forced")  # count from a single tick on
 
@@ -186,6 +191,15 @@ def _lags(seen: Seen, leg: int) -> bool:
 
 
 @kernel
+def _is_mistaken(seen: Seen) -> bool:
+    """Whether the horizontal speed that the controller believes is far from the true one."""
+    off = 0.0
+    for i in range(2):
+        off += (seen.believed_velocity[i] - seen.com_velocity[i]) ** 2
+    return bool(math.sqrt(off) > _MISTAKEN * math.sqrt(_GRAVITY * seen.height[0]))
+
+
+@kernel
 def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
     """Which limits are hit at this tick."""
     flags = hits.flags
@@ -213,6 +227,7 @@ def find_hits(seen: Seen, bounds: Bounds, hits: Hits) -> None:
     flags.legs[0] = 1 if seen.leg_contact[0] > 0.0 else 0
     flags.infeasible[0] = 1 if seen.qp_infeasible[0] > hits.qp_infeasible[0] else 0
     flags.forced[0] = 1 if seen.touchdowns_forced[0] > hits.touchdowns_forced[0] else 0
+    flags.mistaken[0] = 1 if _is_mistaken(seen) else 0
     hits.qp_infeasible[0], hits.touchdowns_forced[0] = seen.qp_infeasible[0], seen.touchdowns_forced[0]
 
 

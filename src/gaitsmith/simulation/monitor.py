@@ -42,7 +42,8 @@ _TURN = 2.0 * math.pi
 _NEVER = 2**62
 _BEGINNINGS = ("walk", "follow")
 
-_COMMANDED = {"period": "command.period", "height": "command.height", "yaw_rate": "command.yaw_rate"}
+_TOLD = {name: f"command.{name}" for name in ("period", "height", "yaw_rate")} | {"believed_velocity": "com_velocity"}
+_UNTOLD = {"believed_velocity": math.nan}
 
 
 class Ring(NamedTuple):
@@ -280,14 +281,14 @@ class Monitor:
 
 
 def _views(columns: Columns, prefix: str, legs: list[str]) -> Seen:
-    """Where everything lies; what a controller does not report is zero."""
+    """Where everything lies; what a controller does not report is zero, or NaN where zero would say something."""
     found: dict[str, Vector] = {}
     for field in Seen._fields:
         if field in Truth._fields:
             found[field] = columns.block([prefix + name for name in truth_columns(legs)[field]])
         else:
-            view = columns.find(_COMMANDED.get(field, field))
-            found[field] = np.zeros(1) if view is None else view
+            view = columns.find(_TOLD.get(field, field))
+            found[field] = np.full(2, _UNTOLD.get(field, 0.0)) if view is None else view
     return Seen(**found)
 
 
