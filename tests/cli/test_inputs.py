@@ -6,9 +6,11 @@ from typing import Any
 
 import pytest
 
+from gaitsmith.cli import log_convert, show
 from gaitsmith.cli.export import export
 from gaitsmith.cli.inputs import named_robot, planned_gait, require_ending
 from gaitsmith.errors import BadInput
+from gaitsmith.simulation.run_folder import LOG, SCENARIO, SUMMARY
 
 
 def gait_of(robot: str, cyclic: bool) -> Any:
@@ -52,3 +54,13 @@ def test_a_file_is_not_named_as_another_format_s() -> None:
         require_ending(out, "--to", "csv", endings)
     with pytest.raises(BadInput, match=r"--out: got 'run.NPZ', .* give --to npz"):
         require_ending("run.NPZ", "--to", "csv", endings)
+
+
+@pytest.mark.parametrize("name", [LOG, SUMMARY, SCENARIO])
+def test_a_run_that_is_read_is_not_replaced(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gaitsmith.reports.run.open_run", lambda path: SimpleNamespace(folder=Path(path)))
+    (tmp_path / name).write_text("a run")
+    for command in (show.report, log_convert.convert):
+        with pytest.raises(BadInput, match=r"--out: .* which is read"):
+            command([str(tmp_path), "--out", str(tmp_path / name)], "gaitsmith")
+    assert (tmp_path / name).read_text() == "a run"

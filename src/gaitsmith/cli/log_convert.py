@@ -11,7 +11,7 @@ from gaitsmith.cli.dispatch import DONE, Outcome, printable
 from gaitsmith.cli.inputs import require_ending
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation.run_folder import LOG, check_file
+from gaitsmith.simulation.run_folder import LOG, check_file, run_files
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
@@ -40,7 +40,7 @@ def convert(words: list[str], program: str) -> Outcome:
     log = Path(arguments.run)
     log = log / LOG if log.is_dir() else log
     require_ending(arguments.out, "--to", arguments.to, _ENDINGS)
-    path = check_file(arguments.out or str(log.with_suffix(_ENDINGS[arguments.to])))
+    path = check_file(arguments.out or str(log.with_suffix(_ENDINGS[arguments.to])), [str(log), *run_files(log.parent)])
     from gaitsmith.cli.display import Display
     from gaitsmith.reports.log_tables import LogSource, write_csv, write_npz, write_parquet
 

@@ -11,7 +11,7 @@ from gaitsmith.cli.arguments import Arguments, Positional, parse
 from gaitsmith.cli.dispatch import DONE, Outcome
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation.run_folder import check_file
+from gaitsmith.simulation.run_folder import check_file, run_files
 
 RunFolder = Annotated[str, Positional("Folder of a run, as gaitsmith walk --out writes it", metavar="RUN")]
 _WHAT = ("speed", "height", "joints", "feet", "torques", "footprints", "landings", "fall")
@@ -58,7 +58,7 @@ def report(words: list[str], program: str) -> Outcome:
     from gaitsmith.reports.run_page import run_page
 
     run = open_run(arguments.run)
-    path = check_file(arguments.out or str(run.folder / "report.html"))
+    path = check_file(arguments.out or str(run.folder / "report.html"), run_files(run.folder))
     with Display("writing the report"):
         write_text_atomic(path, run_page(run, not arguments.no_figures))
     return Outcome(DONE, {"file": str(path), "fell": run.summary.fell, "notes": list(run.notes)}, [f"written: {path}"])
@@ -104,7 +104,7 @@ def video(words: list[str], program: str) -> Outcome:
 
     need_video()
     run = open_run(arguments.run)
-    path = check_file(arguments.out or str(run.folder / "run.mp4"))
+    path = check_file(arguments.out or str(run.folder / "run.mp4"), run_files(run.folder))
     if path.suffix.lower() != ".mp4":
         raise BadInput("--out", str(path), "a name that ends in .mp4")
     with Display("drawing") as display:

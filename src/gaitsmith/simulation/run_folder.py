@@ -45,6 +45,11 @@ def check_file(name: str, inputs: Iterable[str] = ()) -> Path:
     return target
 
 
+def run_files(folder: Path) -> list[str]:
+    """What a run's folder is read for."""
+    return [str(folder / name) for name in (LOG, SUMMARY, SCENARIO)]
+
+
 def check_new_folder(name: str, field: str = "--out") -> Path:
     """Absolute path of a folder that can be created.
 
