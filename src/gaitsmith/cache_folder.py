@@ -7,18 +7,25 @@ import os
 import stat
 from pathlib import Path
 
-from gaitsmith.errors import CacheRefused
+from gaitsmith.errors import BadInput, CacheRefused
 
 _NAME = "gaitsmith"
 
 
 def cache_root() -> Path:
-    """Folder of compiled kernels: ``$GAITSMITH_CACHE_DIR``, else ``$XDG_CACHE_HOME/gaitsmith``."""
+    """Folder of compiled kernels: ``$GAITSMITH_CACHE_DIR``, else ``$XDG_CACHE_HOME/gaitsmith``.
+
+    Raises:
+        BadInput: it is in the home of a user who has none.
+    """
     chosen = os.environ.get("GAITSMITH_CACHE_DIR")
-    if chosen:
-        return Path(chosen).expanduser()
     base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / _NAME
+    try:
+        if chosen:
+            return Path(chosen).expanduser()
+        return (Path(base) if base else Path.home() / ".cache") / _NAME
+    except RuntimeError:  # pathlib's
+        raise BadInput("GAITSMITH_CACHE_DIR", chosen, "a folder", "this user has no home: set it") from None
 
 
 def private_folder(folder: Path) -> Path:

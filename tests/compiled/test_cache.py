@@ -10,12 +10,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numba.core import config as numba_config
 
-from gaitsmith.cache_folder import private_folder
+from gaitsmith.cache_folder import cache_root, private_folder
 from gaitsmith.compiled import cache, kernel
 from gaitsmith.compiled.cache import source_key
 from gaitsmith.control.tick import tick
-from gaitsmith.errors import CacheRefused
+from gaitsmith.errors import BadInput, CacheRefused
 
 
 def test_a_new_folder_is_the_owners_alone(tmp_path: Path) -> None:
@@ -51,6 +52,28 @@ def test_somebody_elses_folder_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(os, "getuid", lambda: folder.stat().st_uid + 1)
     with pytest.raises(CacheRefused, match="owned by user"):
         private_folder(folder)
+
+
+@pytest.mark.parametrize("variable", ["GAITSMITH_CACHE_DIR", "XDG_CACHE_HOME"])
+def test_a_home_that_nobody_has_is_refused(variable: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("GAITSMITH_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    if variable == "GAITSMITH_CACHE_DIR":
+        monkeypatch.setenv(variable, "~nobody-of-this-name/kernels")
+    else:
+        monkeypatch.setattr(Path, "home", lambda: Path("~nobody-of-this-name").expanduser())
+    with pytest.raises(BadInput, match="GAITSMITH_CACHE_DIR"):
+        cache_root()
+
+
+def test_kernels_are_compiled_whatever_numba_was_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba_config, "DISABLE_JIT", 1)
+    assert kernel(_doubled)(3.0) == 6.0
+    assert numba_config.DISABLE_JIT == 1
+
+
+def _doubled(x: float) -> float:
+    return 2.0 * x
 
 
 def test_the_key_follows_what_a_module_reaches() -> None:

@@ -209,7 +209,7 @@ def _run(words: list[str]) -> Outcome:
     for depth in (1, 2):
         command = COMMANDS.get(tuple(words[:depth]))
         if command is not None:
-            _check_cache_folder()
+            cache_root()  # refuses a folder in the home of a user who has none
             run = getattr(import_module(command.module), command.function)
             outcome: Outcome = run(words[depth:], " ".join(["gaitsmith", *words[:depth]]))
             return outcome
@@ -223,15 +223,6 @@ def _run(words: list[str]) -> Outcome:
     valid = ", ".join(dict.fromkeys(path[1] if group else path[0] for path in members))
     field = f"gaitsmith {group}: command" if group else "command"
     raise BadInput(field, rest[0], f"one of {valid}", f"see gaitsmith {group or ''} --help")
-
-
-def _check_cache_folder() -> None:
-    """Refuse a folder in the home of a user who has none."""
-    try:
-        cache_root()
-    except RuntimeError:
-        chosen = os.environ.get("GAITSMITH_CACHE_DIR")
-        raise BadInput("GAITSMITH_CACHE_DIR", chosen, "a folder", "this user has no home: set it") from None
 
 
 def _help(group: str | None, members: list[tuple[str, ...]]) -> str:

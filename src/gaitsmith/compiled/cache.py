@@ -173,13 +173,14 @@ def _typeof_kernel(value: Kernel, context: object) -> Any:
 
 def _compile(function: Callable[..., Any], convention: str, **options: Any) -> Any:
     folder = _cache_folder(function.__module__, convention)
-    before = numba_config.CACHE_DIR
+    before, disabled = numba_config.CACHE_DIR, numba_config.DISABLE_JIT
+    numba_config.DISABLE_JIT = 0  # NUMBA_DISABLE_JIT is for functions that also run uncompiled: kernels do not
     try:
         if folder is not None:
             numba_config.CACHE_DIR = str(folder)
         return numba.njit(cache=folder is not None, error_model="numpy", nogil=True, _nrt=False, **options)(function)
     finally:
-        numba_config.CACHE_DIR = before
+        numba_config.CACHE_DIR, numba_config.DISABLE_JIT = before, disabled
 
 
 def kernel(function: _Function) -> _Function:
