@@ -41,8 +41,7 @@ def judge(r: Readings, c: int, dt: float) -> int:
         and (off > r.slack[c] * max(_STILL / r.still[c], _SURE) or was != GOOD)
     ):
         return STUCK
-    long = 4 * r.blind[c] > r.patience[c] or r.lost[c] > r.patience[c]
-    if was == JUMP and long and r.still[c] == 0 and off < _WIDER * r.gate[c]:
+    if was == JUMP and 4 * r.blind[c] > r.patience[c] and r.still[c] == 0 and off < _WIDER * r.gate[c]:
         return GOOD  # it moves, and nothing else says where the joint is: better than braking
     return JUMP if off > gate else GOOD
 

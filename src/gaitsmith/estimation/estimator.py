@@ -3,8 +3,6 @@
 Han 2023, section 4.3: a Kalman filter fuses the accelerometer with the legs, and a first-order one smooths
 differentiated joint angles. The filter's point is the IMU, so that no angular acceleration is ever needed; every
 world axis has its own filter with the state (position, velocity, accelerometer bias).
-
-The legs say how fast the base moves if the sole rests. A sole that turns about its edge does not; see :func:`_doubt`.
 """
 
 from __future__ import annotations
@@ -70,25 +68,6 @@ class Estimation(NamedTuple):
 
 
 @kernel
-def _doubt(g: Estimation, leg: int, trust: float) -> float:
-    """Variance of the base's velocity by a sole that is taken to rest, m²/s².
-
-    A sole that turns rests at some point (x, y) of its own, not at its frame's origin, which then moves by ω × (x, y):
-    ``ω_y² l² + ω_x² w² + ω_z² (l² + w²)`` in sole axes, l and w its half length and width. The line of a line sole does
-    not move while it turns about it.
-    """
-    legs, state = g.body.legs, g.state
-    length, width = max(legs.heel[leg], legs.toe[leg]), legs.half_width[leg]
-    variance = (g.gains.leg_odometry / trust) ** 2
-    for axis in range(3):
-        spin = 0.0
-        for i in range(3):
-            spin += state.sole_axes[i, axis] * state.twist[3 + i]
-        variance += ((length * spin) ** 2 if axis != 0 else 0.0) + ((width * spin) ** 2 if axis != 1 else 0.0)
-    return variance
-
-
-@kernel
 def estimate(g: Estimation, dt: float, in_contact: IntVector) -> None:
     """One tick of all filters on checked readings: the body's q and v; x, y start at 0, z = 0 is below the lowest sole.
 
@@ -145,7 +124,7 @@ def estimate(g: Estimation, dt: float, in_contact: IntVector) -> None:
         if state.contact_time[leg] < gains.settling:
             state.ground[leg] = state.motion[2, 0] + height
         if trust > 0.0:
-            variance = _doubt(g, leg, trust)
+            variance = (gains.leg_odometry / trust) ** 2
             for axis in range(3):
                 correct_axis(state, axis, True, lever[axis] - state.twist[axis], variance)
             correct_axis(state, 2, False, state.ground[leg] - height, (gains.foot_height / trust) ** 2)

@@ -11,7 +11,6 @@ _GYRO_TIME = 0.02  # s, smoothing of the attitude's error
 _ATTITUDE_ERROR = 0.03  # rad, smoothed, that a gyro may turn away from the attitude
 _TURN_GAIN, _RATE_GAIN = 50.0, 625.0  # 1/s, 1/s²: of the attitude's error on attitude and rate without a gyro
 _PULL_TIME = 0.3  # s, smoothing of the accelerometer's difference from gravity
-_WRONG_SPEED = 0.3  # √(gz): of the base, when an accelerometer is found to be wrong
 _PULL_ERROR = 0.45  # g, smoothed, by which it may differ; half of that to be good again
 
 
@@ -29,9 +28,6 @@ def _check_accelerometer(g: Checking, c: int, dt: float) -> None:
     if what == GOOD and size > limit * limit * g2:
         what = CONTRADICTION
     settle(r, c, what, True)
-    if r.what[c] == CONTRADICTION and r.lost[c] == 1:  # the speed that it has led to is as wrong
-        for i in range(3):
-            g.state.covariance[i, 3] += (_WRONG_SPEED * r.rate_unit[0] * r.height_unit[0]) ** 2
 
 
 @kernel
