@@ -60,7 +60,7 @@ def test_the_stage_of_a_planned_walk_is_measured_over_whole_strides(dynamic, rob
     write_gait(tmp_path / "gait.json", dynamic.gait)
     scenario = make_scenario(completed({"gait": [str(tmp_path / "gait.json")], "duration": 5.3}))
     stage = run_episode(scenario, robot=robot, controller=controller, record=False).summary.stages[-1]
-    assert stage.scored[1] - stage.scored[0] == pytest.approx(2.0 * 0.5, abs=5e-3)
+    assert stage.scored[1] - stage.scored[0] == pytest.approx(4 * 2 * 0.5, abs=5e-3)  # an even number of strides
     assert stage.vx_mean == pytest.approx(0.4, rel=0.01)
 
 
