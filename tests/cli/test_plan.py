@@ -94,7 +94,7 @@ def test_walk_and_export(gait, tmp_path, capsys):
         (["--speed", "0.2"], "--speed"),
         (["--rest-after", "1"], "--rest-after"),
         (["--cycles", "0"], "--cycles"),
-        (["--robot", "bhr_b2"], "--gait"),
+        (["--robot", "bhr_b2"], "--robot"),
         (["--tracking", "other"], "--tracking"),
     ],
 )
