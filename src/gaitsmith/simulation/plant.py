@@ -332,10 +332,8 @@ class Plant:
         """Centre of the vertical forces between robot and ground, world, m; None in the air, and before torques act."""
         found = self.ground_forces()
         total = float(found[:, 5].sum())
-        if not total > 1.0 or self.time == 0.0:
-            return None
-        x, y = found[:, 5] @ found[:, :2] / total
-        return float(x), float(y)
+        x, y = found[:, 5] @ found[:, :2] / max(total, 1.0)
+        return (float(x), float(y)) if total > 1.0 and self.time > 0.0 else None
 
 
 _hearing = threading.local()
