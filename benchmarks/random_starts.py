@@ -17,12 +17,13 @@ import numpy as np
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, Settings, StepParameters
 from gaitsmith.synthesis.motions.biped import standing
-from gaitsmith.synthesis.motions.catalogue import KickParameters, cyclic, kick, start
+from gaitsmith.synthesis.motions.catalogue import cyclic, kick, start
 from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.motions.parameters import KickParameters
 from gaitsmith.synthesis.motions.settings import Bounds
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.transcription import Transcription
-from gaitsmith.synthesis.requests.request import KICK_FRICTION
+from gaitsmith.synthesis.requests.asked import KICK_FRICTION
 
 STEPS = {"static": StepParameters(0.15, 1.0), "dynamic": StepParameters(0.20, 0.5)}
 AWAY = 0.2  # rad

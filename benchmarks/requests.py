@@ -21,10 +21,10 @@ import numpy as np
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis import Planner, answer
-from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
+from gaitsmith.synthesis.motions.parameters import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import Bounds, Settings
 from gaitsmith.synthesis.proof.rigorous import proof_of
-from gaitsmith.synthesis.requests.request import KICK_FRICTION, Request
+from gaitsmith.synthesis.requests.asked import KICK_FRICTION, Request
 from gaitsmith.synthesis.requests.summary import largest_torque_rate, rejections
 
 KINDS = ["cyclic"] * 38 + ["start"] * 6 + ["stop"] * 5 + ["walk"] * 4 + ["kick"] * 13

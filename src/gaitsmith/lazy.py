@@ -1,13 +1,16 @@
-"""Public names that load on first use, so that importing a package costs nothing."""
+"""Names and modules that load on first use, so that importing a package costs nothing."""
 
 from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
+from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import LazyLoader
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 
@@ -29,3 +32,23 @@ def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]
         return value
 
     return load, lambda: sorted([*homes(), *(name for name in vars(sys.modules[package]) if name == "__version__")])
+
+
+def put_off(*names: str) -> None:
+    """Load these modules only when something of them is used: libraries import them to have them, and never do."""
+    if not any(isinstance(finder, _Later) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Later(frozenset(names)))
+
+
+class _Later:
+    """Finds modules whose content is read when one of their names is asked for."""
+
+    def __init__(self, names: frozenset[str]) -> None:
+        self._names = names
+
+    def find_spec(self, name: str, path: Sequence[str] | None, _: ModuleType | None = None) -> ModuleSpec | None:
+        """Where a module is, if it is one of these."""
+        spec = PathFinder.find_spec(name, path) if name in self._names else None
+        if spec is not None and spec.loader is not None:
+            spec.loader = LazyLoader(spec.loader)
+        return spec

@@ -1,5 +1,6 @@
 """Every outcome of a command becomes an exit code, at most one line on stderr, at most one document on stdout."""
 
+import ast
 import io
 import json
 import os
@@ -165,14 +166,26 @@ def test_an_encoding_without_our_letters_shows_question_marks(trial: Any, monkey
     assert shown.buffer.getvalue() == b"40 N?m\n"
 
 
-def test_help_loads_no_engine() -> None:
-    code = (
-        "import sys; from gaitsmith.cli import main; main(['walk', '--help']); heavy = {'numba', 'mujoco', 'scipy',"
-        "'casadi', 'matplotlib', 'mcap', 'rich'}; print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+def _loaded(code: str, heavy: set[str]) -> list[str]:
+    """Which of these modules a fresh process has read after this code."""
+    lazy = "type(module).__name__ != '_LazyModule'"
+    told = (
+        f"print(sorted(name for name, module in sys.modules.items() if name in {heavy!r} and {lazy}), file=sys.stderr)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
-    assert done.stderr.strip() == "[]"
+    words = [sys.executable, "-c", f"import sys; from gaitsmith.cli import main; {code}; {told}"]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment, check=True, timeout=120)
+    return list(ast.literal_eval(done.stderr.splitlines()[-1]))
+
+
+def test_help_loads_no_engine() -> None:
+    code = f"[main([*words, '--help']) for words in {LEAVES!r}]"
+    assert _loaded(code, {"numba", "mujoco", "scipy", "casadi", "matplotlib", "mcap", "rich"}) == []
+
+
+def test_planning_loads_nothing_that_it_does_not_use() -> None:
+    others = {"numba", "matplotlib", "mcap", "numpy.f2py", "numpy.f2py.f2py2e", "numpy.testing", "unittest", "trimesh"}
+    assert _loaded("main(['plan', 'cyclic', '--max-iterations', '1'])", others | {"scipy.linalg"}) == ["scipy.linalg"]
 
 
 def test_no_variable_of_a_library_stops_a_command() -> None:

@@ -10,9 +10,9 @@ from gaitsmith.cli.arguments import parse
 from gaitsmith.cli.plan_arguments import FILE, PlanArguments, request_from, task_of
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.files.gait_file import LIMIT
-from gaitsmith.synthesis.motions.catalogue import KickParameters, StepParameters
+from gaitsmith.synthesis.motions.parameters import KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
-from gaitsmith.synthesis.requests.request import KICK_FRICTION, KINDS, MOST_CYCLES, Request
+from gaitsmith.synthesis.requests.asked import KICK_FRICTION, KINDS, MOST_CYCLES, Request
 
 VALUES = {
     "--speed": "0.3",

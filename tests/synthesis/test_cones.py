@@ -3,7 +3,8 @@
 import numpy as np
 
 from gaitsmith.splines.polynomial import bernstein
-from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.program.cones import is_cone
 from gaitsmith.synthesis.program.transcription import WRENCH_DEGREE, Transcription

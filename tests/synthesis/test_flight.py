@@ -12,8 +12,9 @@ from gaitsmith.synthesis import Planner
 from gaitsmith.synthesis.gaits.full_state import StateFinder
 from gaitsmith.synthesis.gaits.gait import Gait, Piece
 from gaitsmith.synthesis.motions.biped import biped_from, standing
-from gaitsmith.synthesis.motions.catalogue import JumpParameters, jump
+from gaitsmith.synthesis.motions.catalogue import jump
 from gaitsmith.synthesis.motions.contacts import check_contacts
+from gaitsmith.synthesis.motions.parameters import JumpParameters
 from gaitsmith.synthesis.motions.settings import Bounds, Settings
 from gaitsmith.synthesis.program.transcription import Transcription
 from gaitsmith.synthesis.proof.dynamics import EnclosedRobot

@@ -22,7 +22,8 @@ from gaitsmith.synthesis.proof.measured import Errors, measure
 from gaitsmith.synthesis.proof.quantities import quantity
 from gaitsmith.synthesis.proof.rigorous import prove
 from gaitsmith.synthesis.proof.verify import verify
-from gaitsmith.synthesis.requests.request import leaning, stride
+from gaitsmith.synthesis.requests.asked import stride
+from gaitsmith.synthesis.requests.request import leaning
 
 STEP = StepParameters.sized(0.7645, 0.12, 0.4)
 UPRIGHT = 0.98  # cosine of the torso's tilt: 11 degrees, of which the plan has 7

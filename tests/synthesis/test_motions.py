@@ -8,7 +8,7 @@ from gaitsmith.simulation.episode import Simulation
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
 from gaitsmith.synthesis.files.gait_file import write_gait
 from gaitsmith.synthesis.motions.settings import LEG
-from gaitsmith.synthesis.requests.request import KICK_FRICTION
+from gaitsmith.synthesis.requests.asked import KICK_FRICTION
 
 DISTANCE = 0.03  # m from the plan
 STEP = StepParameters(0.15, 1.0)

@@ -6,8 +6,9 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
 from gaitsmith.synthesis.motions.biped import standing
-from gaitsmith.synthesis.motions.catalogue import KickParameters, cyclic, kick
+from gaitsmith.synthesis.motions.catalogue import cyclic, kick
 from gaitsmith.synthesis.motions.motion import At, Motion, Phase
+from gaitsmith.synthesis.motions.parameters import KickParameters
 from gaitsmith.synthesis.program.guess import default_start
 from gaitsmith.synthesis.program.program import make_program
 from gaitsmith.synthesis.program.transcription import Transcription

@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.program.rates import rate_form, steepest
 from gaitsmith.synthesis.program.smoothness import torque_rates

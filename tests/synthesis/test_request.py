@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.synthesis.motions.catalogue import StepParameters
-from gaitsmith.synthesis.requests.request import RANGES, Request, answer, stride
+from gaitsmith.synthesis.motions.parameters import StepParameters
+from gaitsmith.synthesis.requests.asked import RANGES, Request, stride
+from gaitsmith.synthesis.requests.request import answer
 
 RANGES_IN_ORDER = ("--speed", "--step-length", "--period")
 

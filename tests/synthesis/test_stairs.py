@@ -5,8 +5,8 @@ import pytest
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.gaits.gait import follow
-from gaitsmith.synthesis.motions.catalogue import StepParameters
 from gaitsmith.synthesis.motions.contacts import check_contacts
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.stairs import check_stairs, stairs_cycle, stairs_start, stairs_stop
 from gaitsmith.synthesis.proof.verify import verify
 

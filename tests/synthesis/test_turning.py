@@ -15,9 +15,9 @@ from gaitsmith.synthesis.gaits.gait import follow
 from gaitsmith.synthesis.gaits.unrolled import UnrolledGait
 from gaitsmith.synthesis.gaits.walkable import walkable
 from gaitsmith.synthesis.motions.biped import biped_from
-from gaitsmith.synthesis.motions.catalogue import StepParameters
 from gaitsmith.synthesis.motions.contacts import check_contacts
 from gaitsmith.synthesis.motions.motion import At, Unloaded, about_vertical
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.turning import turn_cycle, turn_start, turn_stop
 from gaitsmith.synthesis.proof.borders import conditions
 from gaitsmith.synthesis.proof.rigorous import proof_of

@@ -28,6 +28,7 @@ from gaitsmith.cache_folder import cache_root
 from gaitsmith.cli.interrupts import Interrupts
 from gaitsmith.errors import BadInput, GaitsmithError
 from gaitsmith.files import reason
+from gaitsmith.lazy import put_off
 
 DONE, FELL, BAD_INPUT, NOT_SOLVED, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 70, 130
 
@@ -129,12 +130,14 @@ def run(words: list[str], interrupts: Interrupts) -> int:
 def _settle_libraries() -> None:
     """Variables that libraries read when they are imported: a value that one dislikes stops its import.
 
-    Pictures ask for their graphics library by name and need no window; kernels are compiled with settings of their own.
+    Pictures ask for their graphics library by name and need no window; kernels are compiled with settings of their own;
+    what other packages would add to the checks of data stays out.
     """
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    os.environ |= {"MUJOCO_GL": "off", "MPLBACKEND": "agg"}
+    os.environ |= {"MUJOCO_GL": "off", "MPLBACKEND": "agg", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
     for name in [name for name in os.environ if name.startswith("NUMBA_")]:
         del os.environ[name]
+    put_off("numpy.f2py", "numpy.testing")  # SciPy copies all names of NumPy, and these load what nobody needs
 
 
 @contextlib.contextmanager

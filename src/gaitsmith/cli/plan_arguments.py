@@ -12,9 +12,9 @@ from gaitsmith.cli.arguments import Arguments, Positional, flag
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments.options import RobotName
-from gaitsmith.synthesis.motions.catalogue import JumpParameters, KickParameters, StepParameters
+from gaitsmith.synthesis.motions.parameters import JumpParameters, KickParameters, StepParameters
 from gaitsmith.synthesis.motions.settings import LEG, Bounds, Settings
-from gaitsmith.synthesis.requests.request import KICK_FRICTION, KICK_SPEEDS, MOST_CYCLES, RANGES, Request, stride
+from gaitsmith.synthesis.requests.asked import KICK_FRICTION, KICK_SPEEDS, MOST_CYCLES, RANGES, Request, stride
 
 CLAIMS, SWEEP, FILE = "--claims", "sweep", "a motion file"
 _BOUNDS, _SETTINGS = Bounds.model_fields, Settings.model_fields

@@ -33,7 +33,7 @@ else:
 class Frozen(BaseModel, metaclass=_InOurWords):
     """Base of all data that is checked when it is built: frozen, no unknown keys, no NaN."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
 
 class Worded(Frozen):

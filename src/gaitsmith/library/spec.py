@@ -15,10 +15,11 @@ from gaitsmith.documents import checked, read_toml
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Fraction, Parameters, Positive
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.catalogue import cyclic
 from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
-from gaitsmith.synthesis.requests.request import RANGES, stride
+from gaitsmith.synthesis.requests.asked import RANGES, stride
 
 Index = tuple[int, ...]
 AXES = ("speed", "step_height", "period")

@@ -9,8 +9,9 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.catalogue import StepParameters, record, sections_of
+from gaitsmith.synthesis.motions.catalogue import sections_of
 from gaitsmith.synthesis.motions.motion import At, Condition, Limit, Motion, Phase, Side, State, opposite
+from gaitsmith.synthesis.motions.parameters import StepParameters, record
 
 Array = npt.NDArray[np.float64]
 _CLEAR = 0.25  # of the tread's spare length: distance of the swing sole's end from an edge that it has to pass

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gaitsmith.errors import BadInput
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.catalogue import StepParameters, record, sections_of
+from gaitsmith.synthesis.motions.catalogue import sections_of
 from gaitsmith.synthesis.motions.motion import (
     At,
     Condition,
@@ -22,6 +22,7 @@ from gaitsmith.synthesis.motions.motion import (
     opposite,
     turned,
 )
+from gaitsmith.synthesis.motions.parameters import StepParameters, record
 
 Array = npt.NDArray[np.float64]
 _SPARE = 0.05  # of the soles' least distance: by how much they are further apart than they have to be

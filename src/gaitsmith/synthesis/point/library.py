@@ -12,7 +12,6 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -85,7 +84,7 @@ def _key(biped: Biped, compiler: str) -> str:
     layout = layout_of(biped)
     digest = hashlib.sha256(biped.dynamics_hash.encode())
     sizes = f"{layout.inputs} {layout.outputs} {layout.wrench}"
-    for part in (version("casadi"), compiler, " ".join(_OPTIONS), os.uname().machine, sizes):
+    for part in (str(ca.CasadiMeta.version()), compiler, " ".join(_OPTIONS), os.uname().machine, sizes):
         digest.update(part.encode())
     for source in _SOURCES:
         digest.update(source.read_bytes())

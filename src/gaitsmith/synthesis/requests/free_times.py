@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gaitsmith.synthesis.motions.biped import Biped
-from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.catalogue import cyclic
 from gaitsmith.synthesis.motions.motion import Motion
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.settings import Settings
 from gaitsmith.synthesis.solution.plan import Planner, PlanResult
 from gaitsmith.synthesis.solution.sensitivity import slopes

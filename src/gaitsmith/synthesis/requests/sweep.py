@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis.motions.catalogue import StepParameters, cyclic
+from gaitsmith.synthesis.motions.catalogue import cyclic
+from gaitsmith.synthesis.motions.parameters import StepParameters
 from gaitsmith.synthesis.motions.settings import Bounds, Settings
 from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.requests.nearby import plan_nearby

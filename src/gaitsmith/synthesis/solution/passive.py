@@ -9,7 +9,9 @@ bear, the wrench on the other one, whose cones do not mind, is scaled until no m
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,17 +26,33 @@ LocalPiece = tuple[float, float, Array]  # start, duration, coefficients in loca
 _ROUNDS = 6
 _DONE = 1e-12  # of the robot's weight, or its unit of torque
 _RANK = 1e-9  # of the largest singular value: momenta at both ends follow from each other
-_POWERS = np.array(
-    [
-        np.polynomial.Polynomial.cast(np.polynomial.Chebyshev.basis(k, [0, 1])).coef.tolist()
-        + [0.0] * (ROOT_DEGREE - k)
-        for k in range(ROOT_DEGREE + 1)
-    ]
-).T  # from Chebyshev coefficients on [0, 1] to those of 1, s, s² ...
-_NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(ROOT_DEGREE - 1) / (ROOT_DEGREE - 2))
-_BASIS = [np.polynomial.chebyshev.Chebyshev(row, [0, 1]) for row in np.eye(ROOT_DEGREE + 1)]
-_TABLES = np.array([[p.deriv(d)(_NODES) if d else p(_NODES) for p in _BASIS] for d in range(3)])  # (3, D + 1, N)
-_SIDES = np.array([[[p.deriv(d)(x) if d else p(x) for p in _BASIS] for d in range(2)] for x in (0.0, 1.0)])
+
+
+class _Series(NamedTuple):
+    """Chebyshev series on [0, 1]: made once a process, where a sole moves at all.
+
+    Attributes:
+        powers: (D + 1, D + 1) from their coefficients to those of 1, s, s² ...
+        nodes: (N,) at which the equations of motion are met.
+        values: (3, D + 1, N) of every term and two derivatives there.
+        sides: (2, 2, D + 1) of every term and its derivative at both ends.
+    """
+
+    powers: Array
+    nodes: Array
+    values: Array
+    sides: Array
+
+
+@cache
+def _series() -> _Series:
+    degree = ROOT_DEGREE
+    nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(degree - 1) / (degree - 2))
+    terms = [np.polynomial.Chebyshev.basis(k, [0, 1]) for k in range(degree + 1)]
+    powers = [np.array(np.polynomial.Polynomial.cast(term).coef, dtype=np.float64) for term in terms]
+    values = [[term.deriv(d)(nodes) if d else term(nodes) for term in terms] for d in range(3)]
+    sides = [[[term.deriv(d)(x) if d else term(x) for term in terms] for d in range(2)] for x in (0.0, 1.0)]
+    return _Series(np.concatenate([_padded(row[None]) for row in powers]).T, nodes, np.array(values), np.array(sides))
 
 
 def balanced(trans: Transcription, functions: PointFunctions, phase: int, z: Array) -> Array:
@@ -101,8 +119,8 @@ class _Run:
         states = np.concatenate([states, polynomial(self.pieces[-1][2], np.ones(1), spans[-1])[None, :, :, 0]])
         ends = states[[0, -1]][:, :2, self.own]  # (end, derivative, r)
         padded = np.array([_padded(c)[self.own] for _, _, c in self.pieces])  # (P, r, D + 1)
-        series = np.linalg.solve(_POWERS, padded.transpose(2, 0, 1).reshape(len(_POWERS), -1))
-        root = series.reshape(len(_POWERS), *padded.shape[:2]).transpose(1, 2, 0)
+        series = np.linalg.solve(_series().powers, padded.transpose(2, 0, 1).reshape(len(_series().powers), -1))
+        root = series.reshape(len(_series().powers), *padded.shape[:2]).transpose(1, 2, 0)
         for _ in range(_ROUNDS):
             z = self._inputs(states, root)
             o, J = self.functions.differentiate(z, np.tile(self.pivot, (1, z.shape[1])), self.side)
@@ -122,33 +140,33 @@ class _Run:
     def _whole(self, states: Array, root: Array, k: int) -> Array:
         """Coefficients (c, ROOT_DEGREE + 1) of a piece, the sole's own from their Chebyshev coefficients."""
         found = _padded(hermite(self.spans[k], *states[k : k + 2]))
-        found[self.own] = root[k] @ _POWERS.T
+        found[self.own] = root[k] @ _series().powers.T
         return found
 
     def _inputs(self, states: Array, root: Array) -> Array:
         """Inputs (inputs, P * N) at all nodes."""
-        z = np.zeros((len(root), self.trans.layout.inputs, len(_NODES)))
+        z = np.zeros((len(root), self.trans.layout.inputs, len(_series().nodes)))
         for k, h in enumerate(self.spans):
-            z[k, : self.trans.layout.wrench] = polynomial(self._whole(states, root, k), _NODES, h).reshape(
-                -1, len(_NODES)
+            z[k, : self.trans.layout.wrench] = polynomial(self._whole(states, root, k), _series().nodes, h).reshape(
+                -1, len(_series().nodes)
             )
         return z.transpose(1, 0, 2).reshape(self.trans.layout.inputs, -1)
 
     def _ends(self, root: Array, ends: Array) -> Array:
         """(2 P + 2, r) what is left of places and rates at both ends, and of their continuity in between."""
         rates = self.spans[:, None] ** -np.arange(2.0)  # (P, derivative)
-        first, last = ((root @ side.T).transpose(0, 2, 1) * rates[:, :, None] for side in _SIDES)
+        first, last = ((root @ side.T).transpose(0, 2, 1) * rates[:, :, None] for side in _series().sides)
         return np.concatenate([first[0] - ends[0], last[-1] - ends[1], *(last[:-1] - first[1:])])
 
     def _matrix(self, slope: Array) -> Array:
         """Derivatives of gaps and ends by the sole's coefficients and the changes of the joints at the free knots."""
         layout, count, r, n = self.trans.layout, len(self.spans), len(self.own), self.trans.layout.joints
-        nodes, width = len(_NODES), r * len(_POWERS)
+        nodes, width = len(_series().nodes), r * len(_series().powers)
         by = slope[:, :, : layout.wrench].reshape(len(slope), r, 3, layout.coordinates)
         found = np.zeros(((count * nodes + 2 * count + 2) * r, count * width + 3 * n * len(self.free)))
         for k, h in enumerate(self.spans):
             here, rows = slice(k * nodes, (k + 1) * nodes), slice(k * nodes * r, (k + 1) * nodes * r)
-            tables = _TABLES / h ** np.arange(3)[:, None, None]  # (derivative, term, node)
+            tables = _series().values / h ** np.arange(3)[:, None, None]  # (derivative, term, node)
             own = np.einsum("nado,dtn->naot", by[here][..., self.own], tables)
             found[rows, k * width : (k + 1) * width] = own.reshape(nodes * r, width)
             for side in (0, 1):
@@ -156,7 +174,7 @@ class _Run:
                     continue
                 states = [np.zeros((3, 3)), np.zeros((3, 3))]
                 states[side] = np.diag(self.spans[k + side] ** -np.arange(3.0))
-                moved = polynomial(hermite(h, *states), _NODES, h)  # (derivative, parameter, node)
+                moved = polynomial(hermite(h, *states), _series().nodes, h)  # (derivative, parameter, node)
                 first = count * width + 3 * n * self.free.index(k + side)
                 changed = np.einsum("nadj,dpn->napj", by[here][..., :n], moved)
                 found[rows, first : first + 3 * n] += changed.reshape(nodes * r, 3 * n)
@@ -164,7 +182,7 @@ class _Run:
         places = [(0, 0, 1.0, 0), (count - 1, 1, 1.0, 1)]  # piece, end, sign, pair of rows
         places += [(k, 1, 1.0, k + 2) for k in range(count - 1)] + [(k + 1, 0, -1.0, k + 2) for k in range(count - 1)]
         for k, side, sign, pair in places:
-            block = sign * _SIDES[side] / self.spans[k] ** np.arange(2)[:, None]  # (derivative, term)
+            block = sign * _series().sides[side] / self.spans[k] ** np.arange(2)[:, None]  # (derivative, term)
             rows = slice(at + 2 * r * pair, at + 2 * r * (pair + 1))
             found[rows, k * width : (k + 1) * width] += np.einsum("dt,ab->dabt", block, np.eye(r)).reshape(2 * r, width)
         return found
