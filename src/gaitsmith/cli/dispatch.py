@@ -188,6 +188,8 @@ def _explained(error: Exception, document: TextIO | None) -> int:
     """One line for an error, and its exit code."""
     if isinstance(error, FileNotFoundError) and not _working_folder():
         error = BadInput("working folder", None, "a folder that has not been removed", "change to another one")
+    elif isinstance(error, OSError) and isinstance(error.filename, str | os.PathLike):
+        error = BadInput(str(error.filename), reason(error), "a path that can be used")
     if isinstance(error, BadInput):
         details = {name: getattr(error, name) for name in ("field", "valid", "remedy", "value")}
         return _failed(BAD_INPUT, str(error), document, kind="bad input", **details)

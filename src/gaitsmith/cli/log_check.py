@@ -16,7 +16,8 @@ from gaitsmith.simulation.run_folder import LOG, SUMMARY, write_summary
 class CheckArguments(Arguments):
     """Read the log of a run to its end. After a run that was killed, finish the log and write the summary from it.
 
-    Only what stands behind the last whole chunk, about a second of the run, is lost.
+    Only what stands behind the last whole chunk, about a second of the run, is lost. A log with damage in its middle
+    stays as it is.
     """
 
     run: Annotated[str, Positional("Folder of a run, or a log file", metavar="RUN")]
@@ -34,7 +35,7 @@ def check(words: list[str], program: str) -> Outcome:
         running = not lock(file)
         found = survey(file, str(path))
         repaired = []
-        if not arguments.no_repair and not running:
+        if not arguments.no_repair and not running and not found.damaged:
             if not found.complete:
                 with replacing(path) as copy, open_regular(path) as cut:
                     survey(cut, str(path), copy)
@@ -44,9 +45,11 @@ def check(words: list[str], program: str) -> Outcome:
                 write_summary(folder, summary_of(path))
                 repaired.append(SUMMARY)
     if not found.complete and not running:
-        sys.stderr.write(printable(f"gaitsmith: {path} was cut: whole up to {found.last_time:.3f} s\n"))
+        what = "is damaged, and stays as it is" if found.damaged else "was cut"
+        sys.stderr.write(printable(f"gaitsmith: {path} {what}: whole up to {found.last_time:.3f} s\n"))
     document = {"run": arguments.run, **found._asdict(), "repaired": bool(repaired), "written": repaired}
-    state = "complete" if found.complete else "still being written" if running else "cut short"
+    state = "still being written" if running else "damaged" if found.damaged else "cut short"
+    state = "complete" if found.complete else state
     text = [f"{path}: {found.rows} rows up to {found.last_time:.3f} s, {state}"]
     text += ["written anew: " + ", ".join(repaired)] if repaired else []
     return Outcome(DONE, {**document, "running": running}, text)

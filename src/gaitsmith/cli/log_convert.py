@@ -53,7 +53,7 @@ def convert(words: list[str], program: str) -> Outcome:
         else:
             {"csv": write_csv, "npz": write_npz, "parquet": write_parquet}[arguments.to](source, path)
     if not source.complete:
-        sys.stderr.write(printable(f"gaitsmith: {log} was cut; what is whole of it is converted\n"))
+        sys.stderr.write(printable(f"gaitsmith: {log} was cut or damaged; what is whole of it is converted\n"))
     document = {
         "file": str(path),
         "format": arguments.to,

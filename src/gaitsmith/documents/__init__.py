@@ -6,6 +6,7 @@ from gaitsmith.documents.about import Name as Name
 from gaitsmith.documents.about import Worded as Worded
 from gaitsmith.documents.about import about as about
 from gaitsmith.documents.about import check_name as check_name
+from gaitsmith.documents.about import written_as as written_as
 from gaitsmith.documents.reading import checked as checked
 from gaitsmith.documents.reading import parse_json as parse_json
 from gaitsmith.documents.reading import parse_toml as parse_toml

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
@@ -74,6 +75,17 @@ def check_name(text: str) -> str:
     if not plain or text[0] in FORMULA:
         raise ValueError(VALID_NAME)
     return text
+
+
+def written_as(pattern: str, valid: str) -> AfterValidator:
+    """Text that matches a pattern from end to end, and what people are told of it."""
+
+    def check(text: str) -> str:
+        if not re.fullmatch(pattern, text):
+            raise ValueError(valid)
+        return text
+
+    return AfterValidator(check)
 
 
 Name = Annotated[str, AfterValidator(check_name)]

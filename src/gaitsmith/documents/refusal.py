@@ -98,9 +98,6 @@ def _valid(hint: Any, limits: tuple[Any, ...]) -> str:
         inside = get_args(hint)
         of = "rows" if get_origin(plain(inside[0])[0]) is tuple else _NOUNS.get(plain(inside[0])[0], "tables")
         return f"a list{_count(limits)} {of}" if inside[-1] is Ellipsis else f"a list of {len(inside)} {of}"
-    pattern = _limit(limits, "pattern")
-    if pattern is not None:
-        return f"text that matches {pattern}"
     if hint is str:
         named = any(getattr(item, "func", None) is check_name for item in limits)
         return VALID_NAME if named else f"text{_count(limits)} characters" if _count(limits) else "text"

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from gaitsmith.compiled.cache import source_key
-from gaitsmith.documents import Frozen, checked, parse_json
+from gaitsmith.documents import Frozen, checked, parse_json, written_as
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, reason, write_bytes_atomic, write_text_atomic
 from gaitsmith.library.spec import Spec, checked_spec, key_of
@@ -32,7 +32,8 @@ START, STOP = "start", "stop"
 _LIMIT, _GAIT = 20_000_000, 50_000_000  # bytes
 _PARTS = ("points", "gaits", "warm")
 _REMEDY = "build it again into another folder"
-_Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+_Digest = Annotated[str, written_as(r"[0-9a-f]{64}", "64 digits, 0 to f")]
+_NoDigest = Annotated[str, written_as(r"([0-9a-f]{64})?", "64 digits, 0 to f, or nothing")]
 
 
 class Record(Frozen):
@@ -54,8 +55,8 @@ class Record(Frozen):
     iterations: Annotated[int, Field(ge=0)] = 0
     origin: Annotated[str, Field(max_length=40)] = ""
     parameters: dict[str, float] = Field(default_factory=dict)
-    gait: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
-    warm: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
+    gait: _NoDigest = ""
+    warm: _NoDigest = ""
 
     @property
     def certified(self) -> bool:

@@ -103,13 +103,14 @@ class ChunkReader:
         events: what has been told so far.
         attachments: files in the log that have been met so far.
         complete: after the last row, whether the file was finished; else it was cut or damaged behind that row.
+        damaged: after the last row, whether there is more behind it that cannot be reached; a cut leaves nothing there.
 
     Raises:
         BadInput: not a log, cut before its first row, or from a newer version.
     """
 
     def __init__(self, file: BinaryIO, source: str) -> None:
-        self._file, self.events, self.complete = file, list[Event](), False
+        self._file, self.events, self.complete, self.damaged = file, list[Event](), False, False
         self.attachments: list[mcap.Attachment] = []
         valid = "a log written by gaitsmith"
         if file.read(len(MAGIC)) != MAGIC:
@@ -133,6 +134,17 @@ class ChunkReader:
 
     def chunks(self) -> Iterator[tuple[bytes, list[npt.NDArray[np.float64]]]]:
         """Content and blocks of rows of every chunk, up to the last whole one."""
+        yield from self._whole_chunks()
+        self.damaged = not self.complete and self._goes_on()
+
+    def _goes_on(self) -> bool:
+        """Whether chunks, or the end of a finished file, follow what cannot be read."""
+        if any(opcode == Opcode.CHUNK for opcode, _ in _records(self._file)):
+            return True
+        self._file.seek(max(0, self._file.seek(0, io.SEEK_END) - len(MAGIC)))
+        return self._file.read() == MAGIC
+
+    def _whole_chunks(self) -> Iterator[tuple[bytes, list[npt.NDArray[np.float64]]]]:
         self._file.seek(len(MAGIC))
         pattern = message_rows(len(self.head.columns), 1)[0]
         indexed = {ROWS}  # channels whose index has been met since the last chunk

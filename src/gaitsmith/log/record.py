@@ -40,6 +40,7 @@ class Log:
         notes: what was run, as plain data: the scenario, the robot.
         events: what was told to the controller, and pushes, each with its ``time``, s.
         complete: whether the file was finished; a run that was killed leaves one that was not.
+        damaged: whether more rows follow that cannot be read, because the file has changed.
     """
 
     columns: tuple[str, ...]
@@ -49,6 +50,7 @@ class Log:
     notes: dict[str, Any] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     complete: bool = True
+    damaged: bool = False
 
     @property
     def time(self) -> npt.NDArray[np.float64]:
@@ -240,7 +242,7 @@ def read_stream(file: BinaryIO, source: str, last: int | None = None) -> Log:
     columns, decimation, dropped, notes = reader.head
     rows = np.concatenate([np.empty((0, len(columns))), *blocks])
     rows = rows if last is None else rows[max(0, len(rows) - last) :]
-    return Log(columns, rows, decimation, dropped, notes, tuple(reader.events), reader.complete)
+    return Log(columns, rows, decimation, dropped, notes, tuple(reader.events), reader.complete, reader.damaged)
 
 
 class Scratch(io.FileIO):

@@ -58,12 +58,15 @@ def open_run(name: str | Path) -> Run:
         raise BadInput("RUN", str(name), f"a folder with a {LOG}, as gaitsmith walk --out writes it")
     log = read_log(folder / LOG, last=FIGURE_ROWS)
     if len(log.rows) < 2:
-        raise BadInput(str(folder / LOG), f"{len(log.rows)} rows", "the log of a run that has begun")
+        behind = "the file is damaged behind them" if log.damaged else ""
+        raise BadInput(str(folder / LOG), f"{len(log.rows)} rows", "the log of a run that has begun", behind)
     scenario = load_scenario(folder / SCENARIO)
     robot = load_robot(scenario.robot)
     if log.notes.get("robot_hash") not in (None, robot.content_hash):
         notes.append("the robot's files have changed since the run; limits and shapes are those of today")
-    if not log.complete:
+    if log.damaged:
+        notes.append(f"the log is damaged: what follows {log.time[-1]:.3f} s cannot be read")
+    elif not log.complete:
         notes.append(f"the log was cut at {log.time[-1]:.3f} s; gaitsmith log check mends it")
     if (folder / SUMMARY).is_file():
         try:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from gaitsmith.documents import Name
+from gaitsmith.documents import Name, written_as
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import (
     Finite,
@@ -21,7 +21,7 @@ from gaitsmith.robots.parameters import (
 from gaitsmith.robots.presets import CardPreset
 from gaitsmith.robots.sole import Sole
 
-PresetName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+PresetName = Annotated[str, written_as(r"[A-Za-z0-9_-]{1,64}", "1 to 64 letters, digits, - and _")]
 Triple = tuple[Finite, Finite, Finite]
 
 
@@ -91,7 +91,7 @@ class Described(Parameters):
     """
 
     schema_version: Literal[1, 2]
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]{1,64}$")]
+    name: Annotated[str, written_as(r"[A-Za-z0-9_.-]{1,64}", "1 to 64 letters, digits, -, _ and .")]
     description: str = ""
     model: Annotated[str, Field(min_length=1, max_length=500)]
     torso: Name

@@ -135,8 +135,11 @@ class Simulation:
             passing=passing,
             **scenario.model_dump(include=_PLANT),
         )
-        for push in scenario.pushes:
-            self.plant.push(np.zeros(3), push.body, push.joint)
+        for k, push in enumerate(scenario.pushes):
+            try:
+                self.plant.push(np.zeros(3), push.body, push.joint)
+            except BadInput as error:
+                raise error.named(error.field.replace("push", f"pushes[{k}]", 1)) from None
         self.columns = Columns(
             (self.controller.telemetry_columns, self.controller.telemetry_buffer),
             ([f"true.{name}" for name in self.plant.truth_columns], self.plant.truth_buffer),

@@ -25,11 +25,12 @@ from gaitsmith.simulation.wall_time import WallTimes
 
 
 class Found(NamedTuple):
-    """What a log holds: rows, time of the last one (s), and whether it was finished."""
+    """What a log holds: rows, time of the last one (s), whether it was finished, whether there is more out of reach."""
 
     rows: int
     last_time: float
     complete: bool
+    damaged: bool = False
 
 
 def survey(file: BinaryIO, source: str, copy: BinaryIO | None = None) -> Found:
@@ -57,7 +58,7 @@ def survey(file: BinaryIO, source: str, copy: BinaryIO | None = None) -> Found:
     if writer is not None:
         _attach(reader, writer)
         writer.finish()
-    return Found(rows, last, reader.complete)
+    return Found(rows, last, reader.complete, reader.damaged)
 
 
 def _attach(reader: ChunkReader, writer: ChunkWriter) -> None:

@@ -98,7 +98,7 @@ def port_of(text: str) -> int:
     kind, _, number = text.partition(":")
     if kind == "socket" and number.isdecimal() and 1 <= int(number) <= 65535:
         return int(number)
-    raise BadInput("controller", text, "socket:PORT, of this machine")
+    raise BadInput("controller", text, "socket:PORT, of this machine, the port from 1 to 65535")
 
 
 def identity_of(text: str) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, create_model, field_validator, model_validator
 
-from gaitsmith.documents import About, Frozen, Name, about, checked, parse_toml, read_toml
+from gaitsmith.documents import About, Frozen, Name, about, checked, parse_toml, read_toml, written_as
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import GAIT_INPUTS, GaitParameters, check_gait
 from gaitsmith.simulation.disturbances import Push
@@ -163,7 +163,7 @@ class Scenario(Command):
     ] = ""
     controller: Annotated[
         str,
-        Field(pattern=r"^(socket:[1-9]\d{0,4})?$"),
+        written_as(r"(socket:[1-9]\d{0,4})?", "socket:PORT, the port from 1 to 65535"),
         About("Controller in another process that listens on a port of this machine", metavar="socket:PORT"),
     ] = ""
     changes: tuple[Change, ...] = ()

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from gaitsmith.documents import Name, checked, read_toml
+from gaitsmith.documents import Name, checked, read_toml, written_as
 from gaitsmith.errors import BadInput
 from gaitsmith.robots.parameters import Parameters
 from gaitsmith.synthesis.files.gait_entries import (
@@ -92,7 +92,7 @@ class MotionText(Parameters):
         settings: bounds, order, tolerances; what is absent keeps its default.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,40}$")]
+    name: Annotated[str, written_as(r"[A-Za-z0-9_-]{1,40}", "1 to 40 letters, digits, - and _")]
     cyclic: bool = False
     total_duration: Annotated[float, Field(gt=0.0)] | None = None
     slope: Slope = 0.0
