@@ -88,6 +88,12 @@ def test_failures_are_one_line(
         assert captured.out == ""
 
 
+def test_a_path_that_no_file_system_takes_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (["log", "check"], ["why"], ["library", "show"]):
+        assert main([*words, "a" * 300]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
 def test_an_interrupted_import_is_an_interrupt(trial: Any, capsys: pytest.CaptureFixture[str]) -> None:
     """A library that turns Ctrl-C into an ImportError does not make it an error of the package."""
 

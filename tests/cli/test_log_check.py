@@ -127,6 +127,18 @@ def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
         assert len(err.splitlines()) == 1
 
 
+def test_a_damaged_log_stays_as_it_is(tmp_path: Path) -> None:
+    run("walk", *SHORT, "--out", str(tmp_path / "run"), "--no-figures")
+    path = tmp_path / "run" / "log.mcap"
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+    code, out, err = run("log", "check", str(tmp_path / "run"), "--json")
+    assert (code, json.loads(out)["damaged"], json.loads(out)["written"]) == (0, True, [])
+    assert "is damaged, and stays as it is" in err
+    assert path.read_bytes() == content
+
+
 def test_looking_only_changes_nothing(tmp_path: Path) -> None:
     run("walk", *SHORT, "--out", str(tmp_path / "run"), "--no-figures")
     path = tmp_path / "run" / "log.mcap"

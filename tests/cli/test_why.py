@@ -7,6 +7,8 @@ import io
 import json
 from pathlib import Path
 
+import pytest
+
 from gaitsmith.cli import main
 
 
@@ -30,8 +32,14 @@ def test_a_push_is_confirmed(tmp_path: Path) -> None:
     assert document["trials"][-1]["relaxed"] == "no push"
     fall = json.loads((folder / "summary.json").read_text())["fall"]
     assert fall["cause"] == document["cause"]
-    code, text, _ = run("why", str(folder))
+    code, text, _ = run("why", str(folder / "log.mcap"))  # a run's log stands for its folder
     assert "cause: push of 90.0 N·s at 2.000 s, confirmed" in " ".join(text.split())
+    (folder / "summary.json").write_text("{}")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("gaitsmith.simulation.replay.why", lambda *_: pytest.fail("refused before the work"))
+        code, _, error = run("why", str(folder))
+    assert (code, error.count("\n")) == (2, 1)
+    assert "use --no-summary" in error
 
 
 def test_a_run_that_stands_is_one_line(tmp_path: Path) -> None:

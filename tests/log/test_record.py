@@ -141,6 +141,19 @@ def test_a_changed_byte_ends_the_log_before_its_chunk():
     log = read_stream(io.BytesIO(bytes(spoilt)), "run.mcap")
     assert log.rows[:, 1].tolist() == list(range(20))
     assert not log.complete
+    assert log.damaged  # a cut leaves nothing behind it
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3, 0.6])
+def test_damage_to_a_finished_log_is_no_cut(place, tmp_path):
+    log = _log(5000)
+    log.write(tmp_path / "run.mcap")
+    content = bytearray((tmp_path / "run.mcap").read_bytes())
+    assert not read_stream(io.BytesIO(bytes(content[:-30])), "run.mcap").damaged
+    content[content.find(b"zstd", int(place * len(content))) + 200] ^= 0xFF  # in the next chunk
+    found = read_stream(io.BytesIO(bytes(content)), "run.mcap")
+    assert (found.complete, found.damaged) == (False, True)
+    assert len(found.rows) < 5000
 
 
 @settings(max_examples=300)

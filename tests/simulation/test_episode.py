@@ -143,7 +143,8 @@ def test_a_divergence_is_a_fall_with_a_name():
     [
         ({"height": 0.9}, "height: got 0.9, expected"),
         ({"preset": "best"}, "preset: got 'best'"),
-        ({"pushes": [{"time": 1.0, "impulse": [1, 0, 0], "body": "head"}]}, "push.body: got 'head'"),
+        ({"pushes": [{"time": 1.0, "impulse": [1, 0, 0], "body": "head"}]}, "pushes[0].body: got 'head'"),
+        ({"pushes": [{"time": 1.0, "impulse": [1, 0, 0], "joint": "nose"}]}, "pushes[0].joint: got 'nose'"),
         ({"changes": [{"time": 2.0, "period": 0.01}]}, "changes[0].period: got 0.01"),
     ],
 )

@@ -107,10 +107,15 @@ def test_gait_inputs_outside_the_robot_s_limits_are_refused(name, value):
         ({"pushes": [{"time": 21.0, "impulse": [1, 0, 0]}]}, "pushes[0].time: got 21.0, expected 0 s to less than"),
         ({"pushes": [{"time": 2.0, "impulse": [1, math.inf, 0]}]}, "pushes[0].impulse[1]"),
         ({"pushes": [{"impulse": [1, 0, 0]}]}, "pushes[0].time: got nothing, expected a finite number"),
+        (
+            {"pushes": [{"time": 1.0, "impulse": [1, 0, 0], "body": "torso", "joint": "left_knee"}]},
+            "joint: got 'left_knee', expected nothing beside a body",
+        ),
+        ({"controller": "socket:0"}, "controller: got 'socket:0', expected socket:PORT, the port from 1 to 65535"),
         ({"speed": [0.1, 0.2, 0.3]}, "speed: got [0.1, 0.2, 0.3], expected one or two finite numbers, m/s"),
         ({"speed": "fast"}, "speed: got 'fast', expected one or two finite numbers"),
         ({"state": "guessed"}, "state: got 'guessed', expected one of true, estimated"),
-        ({"terrain": "boxes:9"}, "terrain: got 'boxes:9', expected flat, slope:DEGREES"),
+        ({"terrain": "boxes:9"}, "terrain: got 'boxes:9', expected boxes:METRES, 0 to 0.3"),
         (
             {"rest_before": 15.0, "rest_after": 6.0},
             "duration: got 20.0, expected at least rest_before + rest_after = 21 s",

@@ -67,7 +67,7 @@ def test_an_instant_may_be_that_of_another(tmp_path, biped):
         ("duration", "limits = { toe_z = { min = '1' } }\nduration", r"limits.toe_z.min: .* finite number"),
         ("duration", "limits = { toe_z = { min = 2, max = 1 } }\nduration", r"limits.toe_z: .*not above the upper"),
         ('name = "own"', 'name = "own"\ncyclic = 1', "cyclic: got 1, expected true or false"),
-        ('name = "own"', 'name = "own walk"', "name: .*text that matches"),
+        ('name = "own"', 'name = "own walk"', "name: got 'own walk', expected 1 to 40 letters, digits, - and _"),
         ('name = "own"', 'name = "own"\nstanding_height = 9', "standing_height"),
         ("standing = true", 'standing = "yes"', r"conditions\[0\].standing: got 'yes', expected true or false"),
         ("standing = true", "", r"conditions\[0\].*standing, rest, steady, same_as, unloaded, values or joints"),

@@ -10,11 +10,11 @@ from gaitsmith.cli.dispatch import DONE, Outcome, Table
 from gaitsmith.documents import About
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded
-from gaitsmith.simulation.run_folder import SCENARIO, SUMMARY, write_summary
+from gaitsmith.simulation.run_folder import SCENARIO, SUMMARY, folder_of, write_summary
 from gaitsmith.simulation.scenario import load_scenario
 
 if TYPE_CHECKING:
-    from gaitsmith.simulation.fall import Cause
+    from gaitsmith.simulation.summary import Summary
 
 _LARGEST = 10_000_000  # bytes of a summary
 
@@ -34,11 +34,14 @@ class WhyArguments(Arguments):
 def why(words: list[str], program: str) -> Outcome:
     """Run the command."""
     arguments = parse(WhyArguments, words, program)
-    path = Path(arguments.run)
+    path = folder_of(arguments.run)
     folder = path if path.is_dir() else None
     if folder is not None and not (folder / SCENARIO).is_file():
         raise BadInput("RUN", arguments.run, f"a folder with a {SCENARIO}, as gaitsmith walk --out writes it")
     scenario = load_scenario(path / SCENARIO if folder else arguments.run)
+    summary = None
+    if folder is not None and not arguments.no_summary and (folder / SUMMARY).exists():
+        summary = _summary(folder / SUMMARY)
     from gaitsmith.cli.display import Display
     from gaitsmith.simulation.replay import why as replayed
 
@@ -47,8 +50,9 @@ def why(words: list[str], program: str) -> Outcome:
     if verdict is None:
         raise BadInput("RUN", arguments.run, "a run that ends in a fall", "run again, its robot stands")
     document: dict[str, Any] = {"run": arguments.run, **verdict.model_dump(mode="json")}
-    if folder is not None and not arguments.no_summary and (folder / SUMMARY).exists():
-        _tell_summary(folder, verdict.cause)
+    if folder is not None and summary is not None and summary.fall is not None:
+        told = summary.model_copy(update={"fall": summary.fall.model_copy(update={"cause": verdict.cause})})
+        write_summary(folder, told)
     rows = [
         (trial.what, trial.relaxed, "stands" if trial.stands else f"falls at {trial.fell_at:.2f} s")
         for trial in verdict.trials
@@ -63,16 +67,13 @@ def why(words: list[str], program: str) -> Outcome:
     return Outcome(DONE, document, text)
 
 
-def _tell_summary(folder: Path, cause: Cause) -> None:
-    """Write the cause into the run's summary."""
+def _summary(path: Path) -> Summary:
+    """The run's summary, into which the cause goes."""
     from pydantic import ValidationError
 
     from gaitsmith.simulation.summary import Summary
 
     try:
-        summary = Summary.model_validate_json(read_bounded(folder / SUMMARY, _LARGEST))
+        return Summary.model_validate_json(read_bounded(path, _LARGEST))
     except ValidationError:
-        raise BadInput(str(folder / SUMMARY), "something else", "the summary of a run", "use --no-summary") from None
-    if summary.fall is not None:
-        told = summary.model_copy(update={"fall": summary.fall.model_copy(update={"cause": cause})})
-        write_summary(folder, told)
+        raise BadInput(str(path), "something else", "the summary of a run", "use --no-summary") from None

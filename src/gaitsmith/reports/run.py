@@ -14,7 +14,16 @@ from gaitsmith.robots import Robot, load_robot
 from gaitsmith.simulation.episode import Simulation
 from gaitsmith.simulation.loop import Observer
 from gaitsmith.simulation.recovery import summary_of
-from gaitsmith.simulation.run_folder import FIGURE_ROWS, LOG, SCENARIO, SUMMARY, NewFolder, scenario_toml, write_summary
+from gaitsmith.simulation.run_folder import (
+    FIGURE_ROWS,
+    LOG,
+    SCENARIO,
+    SUMMARY,
+    NewFolder,
+    folder_of,
+    scenario_toml,
+    write_summary,
+)
 from gaitsmith.simulation.scenario import Scenario, load_scenario
 from gaitsmith.simulation.summary import Summary
 from gaitsmith.view import Recording
@@ -53,7 +62,7 @@ def open_run(name: str | Path) -> Run:
     Raises:
         BadInput: no such folder, no run in it, or one from a newer version.
     """
-    folder, notes = Path(name), []
+    folder, notes = folder_of(name), []
     if not (folder / LOG).is_file():
         raise BadInput("RUN", str(name), f"a folder with a {LOG}, as gaitsmith walk --out writes it")
     log = read_log(folder / LOG, last=FIGURE_ROWS)

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from gaitsmith.documents import Frozen
+from gaitsmith.errors import BadInput
 
 if TYPE_CHECKING:
     from gaitsmith.log.columns import Columns
@@ -38,6 +39,13 @@ class Push(Frozen):
     phase: Annotated[float, Field(ge=0.0, lt=1.0)] | None = None
     body: str | None = None
     joint: str | None = None
+
+    @model_validator(mode="after")
+    def _at_one_place(self) -> Push:
+        """A push has one place."""
+        if self.body is not None and self.joint is not None:
+            raise BadInput("joint", self.joint, "nothing beside a body", "leave one of them out")
+        return self
 
 
 class Pushable(Protocol):

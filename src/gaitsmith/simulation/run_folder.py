@@ -71,6 +71,12 @@ def check_new_folder(name: str, field: str = "--out") -> Path:
     return folder
 
 
+def folder_of(run: str | Path) -> Path:
+    """The folder of a run, which its log stands for too."""
+    path = Path(run)
+    return path.parent if path.name == LOG and path.is_file() else path
+
+
 def portable(scenario: Scenario) -> Scenario:
     """The scenario with its paths made absolute, so that it runs from any folder."""
     from gaitsmith.robots import robot_names

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from gaitsmith.documents import nearest
 from gaitsmith.errors import BadInput
 
 Array = npt.NDArray[np.float64]
@@ -17,6 +18,12 @@ VALID = (
     "flat, slope:DEGREES, ramp:DEGREES or cross:DEGREES (-30 to 30), boxes:METRES (0 to 0.3), "
     "stairs:RISE,TREAD,EDGE,COUNT, or ice:FRICTION,FROM,LENGTH (0.05 to 5, from 0.3 m ahead on)"
 )
+_ONE = {
+    **dict.fromkeys(("slope", "ramp", "cross"), "DEGREES, -30 to 30"),
+    "boxes": "METRES, 0 to 0.3",
+    "ice": "FRICTION,FROM,LENGTH: 0.05 to 5, 0.3 to 50 m ahead, above 0 up to 50 m",
+    "stairs": "RISE,TREAD,EDGE,COUNT: -0.5 to 0.5 m and not 0, 0.05 to 2 m, -10 to 10 m, 1 to 100 steps",
+}
 SLOPE_START = 0.6  # m ahead of the origin: the start stance is level
 BOX_PITCH = 0.3
 FLAT_RADIUS = 1.05  # m: boxes whose centre is nearer than this to the origin have no height
@@ -162,18 +169,19 @@ def parse_terrain(text: str, seed: int = 0) -> Terrain:
         return Terrain("ramp", amount)
     if kind == "boxes" and 0.0 <= amount <= 0.3:
         return Terrain("boxes", amount, seed)
-    raise BadInput("terrain", text, VALID)
+    if kind in _ONE:
+        raise BadInput("terrain", text, f"{kind}:{_ONE[kind]}")
+    raise BadInput("terrain", text, VALID, nearest(kind, _ONE))
 
 
 def _parsed_stairs(text: str, numbers: str) -> Terrain:
     try:
         rise, tread, edge, count = (float(part) for part in numbers.split(","))
     except ValueError:
-        raise BadInput("terrain", text, VALID) from None
+        rise = tread = edge = count = math.nan
     sound = 0.0 < abs(rise) <= 0.5 and 0.05 <= tread <= 2.0 and abs(edge) <= 10.0 and count in range(1, 101)
     if not sound:
-        valid = "rise -0.5 to 0.5 m and not 0, tread 0.05 to 2 m, edge within 10 m, 1 to 100 steps"
-        raise BadInput("terrain", text, valid)
+        raise BadInput("terrain", text, f"stairs:{_ONE['stairs']}")
     return Terrain("stairs", rise, tread=tread, edge=edge, count=int(count))
 
 
