@@ -13,6 +13,7 @@ from tests.simulation.standing import robot
 from gaitsmith.documents import checked
 from gaitsmith.errors import BadInput
 from gaitsmith.experiments import PushOptions, push_grids
+from gaitsmith.experiments.episodes import Episodes
 from gaitsmith.experiments.largest import Search, resolution_for
 from gaitsmith.experiments.limits import Limit
 from gaitsmith.experiments.push_grid import (
@@ -109,6 +110,25 @@ def test_bisection_finds_the_largest(largest):
     assert search.low[0] <= largest < search.high[0] <= search.low[0] + search.resolution
     assert tries <= 12
     assert search.everywhere == search.low[0]
+
+
+def test_an_interrupted_search_tells_what_it_knows_and_not_more(tmp_path, monkeypatch):
+    """All phases of direction 0 stood, one of direction 1 fell before the end, direction 2 is not decided."""
+    from gaitsmith.experiments import largest, pushing
+
+    grid = replace(GRID, directions=3, phases=2)
+    outcomes = {Cell(0, 0): None, Cell(0, 1): None, Cell(1, 0): 6.0, Cell(2, 0): None}
+    found = {grid.scenario(cell): made_up_summary(pushed_at=4.5, fell_at=fell) for cell, fell in outcomes.items()}
+    monkeypatch.setattr(largest, "run_all", lambda *_, **__: Episodes(found, interrupted=True, resumed=0))
+    monkeypatch.setattr(pushing, "load_set", lambda *_: TrialSet("made_up", robot(), (), (grid,), {}))
+    options = PushOptions(largest=True, directions=3, phases=2, out=str(tmp_path))
+    result = push_grids(options)
+    (search,) = result.document["largest"]
+    assert (search["survived"], search["failed"]) == ([15.0, 0.0, None], [None, 15.0, None])
+    assert search["everywhere"] is None
+    assert result.rows[0][1:] == ("unknown", "0°: ≥ 15, 120°: ≥ 0, 240°: unknown")
+    assert result.interrupted
+    assert "interrupted" in result.notes[-1]
 
 
 def test_the_bracket_shrinks_with_the_robot():

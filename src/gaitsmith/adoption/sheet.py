@@ -132,6 +132,7 @@ def _pushes(robot: Robot, name: str, store: Store, jobs: int, progress: Progress
     return {
         direction: round(low, 2)
         for direction, low in zip(("forward", "left", "back", "right"), searches[0].low, strict=True)
+        if low is not None
     }
 
 

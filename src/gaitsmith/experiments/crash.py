@@ -94,6 +94,7 @@ class _Crash:
         pushes["largest"] = [
             {"direction": self.grid.degrees(i), "impulse": low, "strength": round(low / self.unit, 4)}
             for i, low in enumerate(search.low)
+            if low is not None
         ]
         self.found["pushes"] = pushes
         felled = [(high, i) for i, high in enumerate(search.high) if high is not None]

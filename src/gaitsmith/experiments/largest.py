@@ -32,17 +32,17 @@ class Search:
     Attributes:
         grid: the gait, directions and phases; its impulse is tried first.
         resolution: width of a bracket that is narrow enough, N·s.
-        low: largest impulse survived at all phases, N·s; 0 if none was.
+        low: largest impulse survived at all phases, N·s; 0 if none was, None while none has been tried to the end.
         high: smallest impulse that was not, N·s; None while none has failed.
     """
 
     grid: PushGrid
     resolution: float = 1.0
-    low: list[float] = field(init=False)
+    low: list[float | None] = field(init=False)
     high: list[float | None] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.low = [0.0] * self.grid.directions
+        self.low = [None] * self.grid.directions
         self.high = [None] * self.grid.directions
 
     @property
@@ -51,26 +51,32 @@ class Search:
         return _CEILING * self.resolution
 
     @property
-    def everywhere(self) -> float:
-        """Largest impulse survived in every direction, N·s."""
-        return min(self.low)
+    def everywhere(self) -> float | None:
+        """Largest impulse survived in every direction, N·s; None while one is unknown."""
+        known = [low for low in self.low if low is not None]
+        return min(known) if len(known) == len(self.low) else None
 
     def next_impulse(self, direction: int) -> float | None:
         """What to try next, in whole resolutions; None once the bracket is as narrow as one of them."""
         low, high, step = self.low[direction], self.high[direction], self.resolution
+        if low is None:
+            return self.grid.impulse
         if high is None:
             if low >= self.ceiling:
                 return None
             grown = round(round(_GROWTH * low / step) * step, 9)
-            return self.grid.impulse if low == 0.0 else min(max(grown, low + step), self.ceiling)
+            return min(max(grown, low + step), self.ceiling)
         if high - low <= 1.000001 * step:
             return None
         middle = round(round((low + high) / 2.0 / step) * step, 9)
         return middle if low < middle < high else (low + high) / 2.0
 
     def learn(self, direction: int, impulse: float, stood: bool) -> None:
-        """Narrow a bracket."""
-        (self.low if stood else self.high)[direction] = impulse
+        """Narrow a bracket; without an impulse the robot stands."""
+        if stood:
+            self.low[direction] = impulse
+        else:
+            self.low[direction], self.high[direction] = self.low[direction] or 0.0, impulse
 
     def document(self) -> dict[str, Any]:
         """As plain data."""
@@ -127,7 +133,9 @@ def search_largest(
         episodes = run_all(
             wanted, robot, store, jobs=jobs, address=address, progress=progress, what=f"bisecting, round {number}"
         )
+        for (k, i), impulse in tried.items():
+            stood = [survived(episodes.found[scenario]) for scenario in scenarios[k, i] if scenario in episodes.found]
+            if len(stood) == len(scenarios[k, i]) or not all(stood):  # else it is unknown
+                searches[k].learn(i, impulse, all(stood))
         if episodes.interrupted:
             return searches, True
-        for (k, i), impulse in tried.items():
-            searches[k].learn(i, impulse, all(survived(episodes.found[s]) for s in scenarios[k, i]))

@@ -64,6 +64,8 @@ def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
         columns = _LARGEST
         rows = [_largest_row(search) for search in searches]
         notes = ["survived at all phases; an impulse above by the width of the bracket has been seen to fail"]
+        if interrupted:
+            notes.append("interrupted: what was survived so far (≥); run again, finished runs are kept")
     else:
         outcomes, notes, interrupted = _run_grids(fit, loaded, store, options.jobs, progress)
         found = {"grids": [outcome.document() for outcome in outcomes]}
@@ -115,9 +117,10 @@ def _row(outcome: GridOutcome) -> tuple[str, ...]:
 
 
 def _largest_row(search: Search) -> tuple[str, ...]:
-    """One gait in words; an impulse is marked if no larger one has failed yet."""
-    brackets = zip(search.low, search.high, strict=True)
-    each = [
-        f"{search.grid.degrees(i):g}°: {'≥ ' if high is None else ''}{low:g}" for i, (low, high) in enumerate(brackets)
-    ]
-    return search.grid.gait_name, f"{search.everywhere:g} N·s", ", ".join(each)
+    """One gait in words; an impulse is marked if no larger one has failed yet, or if one just above may not have."""
+    each, least = [], search.everywhere
+    for i, (low, high) in enumerate(zip(search.low, search.high, strict=True)):
+        unfinished = high is None or search.next_impulse(i) is not None
+        known = "unknown" if low is None else f"{'≥ ' if unfinished else ''}{low:g}"
+        each.append(f"{search.grid.degrees(i):g}°: {known}")
+    return search.grid.gait_name, "unknown" if least is None else f"{least:g} N·s", ", ".join(each)

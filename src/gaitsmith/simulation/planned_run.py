@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from gaitsmith.compiled import Arena
 from gaitsmith.control import Controller
 from gaitsmith.planned import Plan
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.loop import Observer
+from gaitsmith.simulation.plan_errors import PLANNED, REAL, compare_with_plan, make_plan_errors
 from gaitsmith.simulation.plant import Plant
 from gaitsmith.simulation.props import Ball
 from gaitsmith.simulation.scenario import Scenario
@@ -20,7 +22,7 @@ from gaitsmith.simulation.summary import BallReport, FootPitch, Tracking
 from gaitsmith.simulation.terrain import Region
 from gaitsmith.synthesis.files.gait_file import load_robot_of, read_gait
 from gaitsmith.synthesis.gaits.walkable import walkable
-from gaitsmith.whole_body.reference import FLAT, NONE, TOE
+from gaitsmith.whole_body.reference import NONE
 
 SETTLE = 2.0  # s for which a run goes on after its plan has ended
 _ENDLESS = 10.0  # s of a plan without an end
@@ -96,11 +98,10 @@ class Tracked(Observer):
         self.plan, self._controller, self._plant, self._tell = plan, controller, plant, tell
         self._loops = plan.table.passes != 1
         self._begin = math.nan
-        self._tilt = np.zeros(2)
-        self._yaw, self._turn = np.full(2, math.nan), np.zeros(2)  # of the real torso and of the plan's
-        self._contact = controller.reference.contact.copy()
+        reference = controller.reference
+        shared = (plant.torso_rotation, reference.torso_rotation, reference.contact, controller.sole_pitch)
+        self._errors = Arena(make_plan_errors(*shared))
         self._zmp: list[float] = [0.0, 0.0]
-        self._pitch: dict[str, list[float]] = {"strike": [0.0, 0.0], "off": [0.0, 0.0]}
 
     def observe(self, tick: int) -> bool:
         """Take note of a tick; never ends the run unless the plan has, in motion."""
@@ -113,29 +114,13 @@ class Tracked(Observer):
             self._loops = False
         if math.isnan(self._begin):
             self._begin = float(plant.com[0])
-            self._contact[:] = reference.contact
-        away = reference.torso_rotation.T @ plant.torso_rotation
-        yaw = np.array([math.atan2(r[1, 0], r[0, 0]) for r in (plant.torso_rotation, reference.torso_rotation)])
-        if not math.isnan(self._yaw[0]):
-            self._turn += np.remainder(yaw - self._yaw + math.pi, 2.0 * math.pi) - math.pi
-        self._yaw = yaw
-        self._tilt = np.maximum(self._tilt, np.abs([away[2, 1], away[2, 0]]))
-        for row, (before, now) in enumerate(zip(self._contact, reference.contact, strict=True)):
-            if before == NONE and now not in (NONE, FLAT):
-                self._note("strike", -float(self._controller.sole_pitch[row]))
-            if before == TOE and now == NONE:
-                self._note("off", float(self._controller.sole_pitch[row]))
-        self._contact[:] = reference.contact
+        compare_with_plan(self._errors.address)
         if tick % _SAMPLE == 0 and NONE in reference.contact and (real := plant.zmp()) is not None:
             bearing = reference.load * (reference.contact != NONE)
             planned = bearing @ (reference.sole_position[:, :2] + reference.cop) / max(bearing.sum(), 1e-9)
             self._zmp[0] += float(np.sum((planned - real) ** 2))
             self._zmp[1] += 1.0
         return self._controller.plan_ended and not self.plan.at_rest[1]
-
-    def _note(self, kind: str, pitch: float) -> None:
-        self._pitch[kind][0] += pitch
-        self._pitch[kind][1] += 1.0
 
     @property
     def phase(self) -> str:
@@ -147,15 +132,16 @@ class Tracked(Observer):
     def report(self, time: float) -> Tracking:
         """The run so far, which lasted for a time, s."""
         plan, clock = self.plan, self._controller.plan_clock
-        strike, off = (math.degrees(total / count) if count else 0.0 for total, count in self._pitch.values())
+        found = self._errors.view
+        strike, off = (math.degrees(total / count) if count else 0.0 for total, count in found.pitch.tolist())
         planned = [math.degrees(angle) for angle in plan.foot_pitch]
         ball = self._plant.balls[0] if self._plant.balls else None
         return Tracking(
             distance=0.0 if math.isnan(self._begin) else float(self._plant.com[0]) - self._begin,
             planned_distance=plan.way(min(time, plan.duration)).x,
-            turn_deg=math.degrees(self._turn[0]),
-            planned_turn_deg=math.degrees(self._turn[1]),
-            tilt_deg=dict(zip(("roll", "pitch"), np.degrees(self._tilt).tolist(), strict=True)),
+            turn_deg=math.degrees(found.turn[REAL]),
+            planned_turn_deg=math.degrees(found.turn[PLANNED]),
+            tilt_deg=dict(zip(("roll", "pitch"), np.degrees(found.tilt).tolist(), strict=True)),
             zmp_rms_mm=1e3 * math.sqrt(self._zmp[0] / max(self._zmp[1], 1.0)),
             foot_pitch_deg=FootPitch(strike=strike, off=off, planned_strike=planned[0], planned_off=planned[1])
             if max(planned) > 0.0

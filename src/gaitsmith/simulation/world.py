@@ -141,11 +141,12 @@ def contact_forces(
     """
     mujoco.mj_copyData(data, model, now)
     mujoco.mj_forward(model, data)
-    found, force = [], np.zeros(6)
-    for index, contact in enumerate(data.contact[: data.ncon]):
-        first, second = model.geom_bodyid[contact.geom]
-        if min(first, second) == 0 and max(first, second) < bodies:
-            mujoco.mj_contactForce(model, data, index, force)
-            # The contact frame's first axis points from the first body to the second.
-            found.append((*contact.pos, *((1.0 if first == 0 else -1.0) * contact.frame.reshape(3, 3).T @ force[:3])))
-    return np.array(found).reshape(-1, 6)
+    pairs, force = model.geom_bodyid[data.contact.geom], np.zeros(6)
+    here = np.flatnonzero((pairs.min(axis=1) == 0) & (pairs.max(axis=1) < bodies))
+    found, frames = np.zeros((len(here), 6)), data.contact.frame.reshape(-1, 3, 3)
+    found[:, :3] = data.contact.pos[here]
+    for row, index in zip(found, here, strict=True):
+        mujoco.mj_contactForce(model, data, index, force)
+        # The contact frame's first axis points from the first body to the second.
+        row[3:] = (1.0 if pairs[index, 0] == 0 else -1.0) * frames[index].T @ force[:3]
+    return found
