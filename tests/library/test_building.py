@@ -85,7 +85,7 @@ def test_another_grid_does_not_go_into_the_same_folder(library, tmp_path):
         ("gaits/000-000-000.json", (b"0.2", b"0.3"), "edited"),
         ("index.json", (b"000-000-000", b"000-000-001"), "edited"),
         ("library.json", (b"0.3", b"0.4"), "edited"),
-        ("library.json", (b'"version":1', b'"version":9'), "version"),
+        ("library.json", (b'"version":2', b'"version":9'), "version"),
         ("library.json", (b"gaitsmith-library", b"somebody-library!"), "library build wrote"),
     ],
 )
@@ -158,7 +158,8 @@ def test_a_library_is_for_one_robot(library):
         ({"speed": [0.3, 0.2]}, r"speed\[1\]"),
         ({"speed": [0.2, 9.0]}, r"speed\[1\]"),
         ({"speed": [float("nan")]}, "speed"),
-        ({"yaw_rate": [0.1]}, "yaw_rate"),
+        ({"yaw_rate": [0.1, 0.1]}, r"yaw_rate\[1\]"),
+        ({"slope": [0.0, 40.0]}, r"slope\[1\]"),
         ({"period": [0.0]}, "period"),
         ({"speed": [0.01 + k * 1e-3 for k in range(150)], "period": [0.3 + k * 1e-3 for k in range(150)]}, "speed"),
     ],

@@ -1,7 +1,6 @@
 """Gaits mixed: at a point of the grid they are its gait, between the points nothing jumps."""
 
 import itertools
-import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.library.family import Family
 from gaitsmith.planned.evaluate import evaluate, make_plan_sample
-from gaitsmith.planned.table import COM, PER_SOLE, SOLES
+from gaitsmith.planned.table import COM, PER_SOLE, SOLES, TORSO
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.gaits.walkable import walkable
 
@@ -24,21 +23,25 @@ def sampled(table, section, time):
 
 
 def moved(motion, by):
-    """The same motion relative to a support sole elsewhere."""
+    """The same motion relative to a support sole elsewhere (x, y, z, heading)."""
     found = motion.copy()
+    cos, sin = np.cos(by[3]), np.sin(by[3])
     for first in (COM, SOLES, SOLES + PER_SOLE):
-        found[0, first : first + 3] -= by
+        found[0, first : first + 3] -= by[:3]
+        x, y = found[:, first].copy(), found[:, first + 1].copy()
+        found[:, first], found[:, first + 1] = cos * x + sin * y, cos * y - sin * x
+    found[0, [TORSO, SOLES + 3, SOLES + PER_SOLE + 3]] -= by[3]
     return found
 
 
-def seams(table):
-    """Largest jumps of places, rates and accelerations from visit to visit of the loop."""
-    visits = [*range(table.loop_first, table.loop_end)]
+def seams(table, whole=False):
+    """Largest jumps of places, rates and accelerations from visit to visit of the loop, or of all."""
+    visits = [*(range(len(table.sequence)) if whole else range(table.loop_first, table.loop_end))]
     worst = np.zeros(3)
     for one, two in itertools.pairwise(table.sequence[visits]):
         before, _ = sampled(table, one, table.duration[one])
         after, _ = sampled(table, two, 0.0)
-        before = moved(before, (table.place[one, table.support[two]] - table.place[one, table.support[one]])[:3])
+        before = moved(before, table.place[one, table.support[two]] - table.place[one, table.support[one]])
         worst = np.maximum(worst, np.abs(after - before).max(axis=1))
     return worst
 
@@ -84,7 +87,7 @@ def test_from_step_to_step_nothing_jumps(family, before, after):
     assert changing[1] < steady[1] + 1e-3
     half = [np.flatnonzero(family.stretch == number) for number in family.loop[2:]]
     lengths = [family.plan.table.stretch_duration[rows[0]] for rows in half]
-    swings = [sum(w * family._curves(p).spans[2] for p, w in mix.items()) for mix in (first, second)]
+    swings = [sum(w * family._curves(p)[2].span for p, w in mix.items()) for mix in (first, second)]
     assert lengths[0] == pytest.approx(0.5 * sum(swings))
 
 
@@ -102,9 +105,9 @@ def test_outside_of_the_grid_the_error_says_what_it_holds(family):
 
 
 def test_an_axis_of_one_value_holds_that_value_alone():
-    spec = SimpleNamespace(axes=((0.15,), (math.nan,), (1.0,)))
+    spec = SimpleNamespace(names=("speed", "period"), axes=((0.15,), (1.0,)))
     one = SimpleNamespace(spec=spec, certified=lambda point: True)
-    assert Family.weights(one, {"speed": 0.15, "period": 1.0}) == {(0, 0, 0): 1.0}
+    assert Family.weights(one, {"speed": 0.15, "period": 1.0}) == {(0, 0): 1.0}
     for inputs, valid in (
         ({"speed": 0.2}, "speed: .* 0.15, what"),
         ({"speed": 0.15, "period": 0.9}, "period: .* 1, what"),

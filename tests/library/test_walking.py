@@ -10,7 +10,7 @@ from tests.library.conftest import GRID, PAGE
 
 from gaitsmith.__main__ import main
 from gaitsmith.errors import BadInput
-from gaitsmith.simulation import Simulation, run_episode
+from gaitsmith.simulation import Simulation, library_run, run_episode
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.simulation.stage_table import stride_lines
 
@@ -61,13 +61,14 @@ def test_at_rest_it_stays_where_it_is(library):
     ("fields", "field", "valid"),
     [
         ({"speed": [0.5, 0.0]}, "speed", "0.2 to 0.3"),
-        ({"speed": [0.25, 0.1]}, "speed", "straight ahead"),
+        ({"speed": [0.25, 0.1]}, "speed", "sideways"),
         ({"period": 0.3}, "period", "0.6 to 0.7"),
         ({"yaw_rate": 0.1}, "yaw_rate", "axes of the library"),
         ({"changes": [{"time": 3.0, "speed": [0.9, 0.0]}]}, r"changes\[0\].speed", "0.2 to 0.3"),
     ],
 )
-def test_what_the_library_does_not_hold_is_refused(library, fields, field, valid):
+def test_what_the_library_does_not_hold_is_refused(library, family, fields, field, valid, monkeypatch):
+    monkeypatch.setattr(library_run, "Family", lambda *given: family)
     with pytest.raises(BadInput, match=field) as error:
         Simulation(scenario(library, **fields), record=False)
     assert valid in str(error.value)

@@ -24,7 +24,9 @@ class BuildArguments(Arguments):
     Killed at any moment, the same command goes on: a gait that is done stays as it is.
     """
 
-    spec: Annotated[str, Positional("Grid: robot, speed, step_height, period, settings (TOML)", metavar="SPEC")]
+    spec: Annotated[
+        str, Positional("Grid: robot, speed, step_height, period, yaw_rate, slope, settings (TOML)", metavar="SPEC")
+    ]
     out: Annotated[str, About("Folder of the library", metavar="DIR")]
     jobs: Jobs = 1
     engine: Where = "local"
@@ -61,7 +63,7 @@ def build(words: list[str], program: str) -> Outcome:
             notify=display.slow,
         )
     failed = failures(built)
-    points = {key: record for key, record in built.records.items() if key not in ("start", "stop")}
+    points = {key: record for key, record in built.records.items() if not key.startswith(("start", "stop"))}
     certified = sum(record.certified for record in points.values())
     document = {
         "library": arguments.out,
@@ -113,26 +115,26 @@ def show(words: list[str], program: str) -> Outcome:
 
 
 def _axes(spec: Spec) -> dict[str, tuple[float, ...]]:
-    from gaitsmith.library.spec import AXES
-
-    return {name: getattr(spec, name) for name in AXES if getattr(spec, name)}
+    return dict(zip(spec.names, spec.axes, strict=True))
 
 
 def _point(spec: Spec, key: str, record: Record) -> dict[str, Any]:
-    index = tuple(map(int, key.split("-")))
+    from gaitsmith.library.spec import point_of
+
     shown = record.model_dump(mode="json", include={"status", "reason", "objective", "iterations", "origin"})
-    return {"point": key, **spec.place(index), **shown}
+    return {"point": key, **spec.place(point_of(key)), **shown}
 
 
 def _lines(spec: Spec, records: dict[str, Record], document: dict[str, Any]) -> Iterator[Text]:
+    from gaitsmith.library.spec import AXES
+
     yield f"{spec.robot}: {document['certified']} of {document['gaits']} gaits certified, {len(records)} planned"
     names = list(_axes(spec))
     rows = []
     for item in document["points"]:
         numbers = [f"{item[name]:g}" for name in names]
         rows.append([*numbers, item["status"], f"{item['objective']:.1f}", f"{item['iterations']}", item["reason"]])
-    units = {"speed": "m/s", "step_height": "m", "period": "s"}
-    headings = [f"{name.replace('_', ' ')}\n{units[name]}" for name in names]
+    headings = [f"{name.replace('_', ' ')}\n{AXES[name]}" for name in names]
     yield Table((*headings, "status", "objective", "iterations", "reason"), rows, (len(names), len(names) + 3))
     if not document["finished"]:
         yield "not finished: the command that built it goes on where it stopped"

@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from gaitsmith.errors import BadInput
-from gaitsmith.library.folder import START, STOP, Folder, Record, digest
+from gaitsmith.library.folder import START, Folder, Record, digest, end_keys
 from gaitsmith.library.spec import Index, Spec, checked_spec, key_of
 from gaitsmith.robots import load_robot
 from gaitsmith.synthesis.files.gait_file import gait_document
-from gaitsmith.synthesis.motions.biped import REST, Biped, standing
-from gaitsmith.synthesis.motions.catalogue import start, stop
+from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.requests.nearby import plan_nearby
@@ -69,6 +68,8 @@ def _made(spec: str) -> _Made:
 def plan_point(spec: str, point: Index, origin: str, warm: bytes) -> Done:
     """Plan one point, from a neighbour's result if there is one, else, or if that fails, from nothing."""
     made = _made(spec)
+    if reason := made.spec.no_gait(point):
+        return Record(status="failed", reason=reason), b"", b""
     (_, motion), settings = made.motions[point], made.spec.settings
     found, near = plan_nearby(made.planner, motion, settings, thawed(warm) if warm else None)
     return _finished(made, found, origin if near else "")
@@ -78,9 +79,7 @@ def plan_end(spec: str, point: Index, which: str, goal: tuple[Any, Any, Any]) ->
     """Plan the motion from rest to a point's gait, or back."""
     made = _made(spec)
     (step, _), settings = made.motions[point], made.spec.settings
-    biped = made.planner.biped
-    rest = standing(biped, biped.height - max(REST * biped.height, settings.sized(biped).bounds.squat))
-    motion = (start if which == START else stop)(biped, step, rest, goal)
+    motion = made.spec.end(made.planner.biped, step, which.startswith(START), goal)
     return _finished(made, made.planner.plan(motion, settings), key_of(point))
 
 
@@ -228,31 +227,46 @@ class _Work:
         self._folder.put(key, record, gait, warm)
         self.records[key] = record
         if self._tell is not None:
-            self._tell(len(self.records), len(self.spec.points) + 2)
+            self._tell(len(self.records), len(self.spec.points) + 2 * max(len(self.spec.slope), 1))
         return str(key)
 
     def finish(self, biped: Biped) -> str:
-        """Plan start and stop for the first gait for which both exist, slow ones first, and write the index."""
-        keys = [key_of(point) for point in self.spec.points]
-        for point in self.spec.points:
+        """Plan start and stop for the first gait for which both exist, and on all slopes, and write the index.
+
+        Returns:
+            The gait's key; empty if there is none.
+        """
+        keys, ends = [key_of(point) for point in self.spec.points], list[str]()
+        for point in self.spec.bases:
+            ends = self._end(biped, [point])
+            if ends and all(self.records[which].certified for which in ends):
+                others = [at for at in self.spec.on_slopes(point) if at != point]
+                self._folder.end(key_of(point), [*keys, *ends, *self._end(biped, others)])
+                return key_of(point)
+        self._folder.end("", keys)
+        return ""
+
+    def _end(self, biped: Biped, points: list[Index]) -> list[str]:
+        """Plan the starts and stops of those points that have a gait; their keys."""
+        missing, found = 0, list[str]()
+        for point in points:
             key = key_of(point)
             if not self.records[key].certified:
                 continue
             gait = self._folder.gait(key, self.records[key])
             q, v, a = gait.joints(0, np.array([0.0]))
             goal = tuple(values[biped.index, 0] for values in (q, v, a))
-            held = {which: self._folder.get(which) for which in (START, STOP)}
-            missing = [which for which, record in held.items() if record is None or record.origin != key]
-            self.records |= {which: record for which, record in held.items() if record is not None}
-            for which in missing:
-                self._crew.submit(which, plan_end, self._text, point, which, goal)
-            for _ in missing:
-                self._take()
-            if all(self.records[which].certified for which in (START, STOP)):
-                self._folder.end(key, [*keys, START, STOP])
-                return key
-        self._folder.end("", keys)
-        return ""
+            for which in end_keys(self.spec, point):
+                found.append(which)
+                held = self._folder.get(which)
+                if held is not None and held.origin == key:
+                    self.records[which] = held
+                else:
+                    self._crew.submit(which, plan_end, self._text, point, which, goal)
+                    missing += 1
+        for _ in range(missing):
+            self._take()
+        return found
 
 
 def failures(built: Built) -> list[dict[str, str]]:

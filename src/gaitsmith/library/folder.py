@@ -20,15 +20,15 @@ from gaitsmith.compiled.cache import source_key
 from gaitsmith.documents import Frozen, checked, parse_json, written_as
 from gaitsmith.errors import BadInput
 from gaitsmith.files import read_bounded, reason, write_bytes_atomic, write_text_atomic
-from gaitsmith.library.spec import Spec, checked_spec, key_of
+from gaitsmith.library.spec import Index, Spec, checked_spec, key_of, point_of
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis import Gait, read_gait
 
 FORMAT = "gaitsmith-library"
-VERSION = 1
+VERSION = 2
 _PLANNER = "gaitsmith.library.building"  # gaits of two versions are not mixed
 START, STOP = "start", "stop"
-"""Keys of the motions from and to rest."""
+"""What keys of motions from and to rest begin with."""
 _LIMIT, _GAIT = 20_000_000, 50_000_000  # bytes
 _PARTS = ("points", "gaits", "warm")
 _REMEDY = "build it again into another folder"
@@ -68,7 +68,7 @@ class _Head(Frozen):
     """``library.json``."""
 
     format: Literal["gaitsmith-library"]
-    version: Literal[1]
+    version: Literal[2]
     robot_hash: _Digest
     planner: _Digest
     spec: dict[str, Any]
@@ -175,7 +175,7 @@ class Folder:
             BadInput: as :meth:`spec`, or a record that cannot be read or was edited.
         """
         if os.path.lexists(self.path / "index.json"):
-            return {key: record for key, record in self.whole()[1].items() if key not in (START, STOP)}
+            return {key: record for key, record in self.whole()[1].items() if not key.startswith((START, STOP))}
         keys = [key_of(point) for point in self.spec()[0].points]
         return {key: self._record(key) for key in keys if os.path.lexists(self.path / "points" / f"{key}.json")}
 
@@ -191,8 +191,13 @@ class Folder:
             raise BadInput(str(self.path), "no index.json", valid, "the command that built it goes on where it stopped")
         index = self._read("index.json", _Index)
         wanted = {key_of(point) for point in spec.points}
-        ends = {START, STOP} if index.base else set()
-        if set(index.records) != wanted | ends or (index.base and index.base not in wanted):
+        sound, ends = set(index.records) >= wanted, set(index.records) - wanted
+        if index.base and sound and index.base in wanted:
+            bases = spec.on_slopes(point_of(index.base))
+            sound = {*end_keys(spec, point_of(index.base))} <= ends <= {k for at in bases for k in end_keys(spec, at)}
+        elif index.base or ends:
+            sound = False
+        if not sound:
             raise BadInput(str(self.path / "index.json"), "other points", "those of library.json", _REMEDY)
         found = {key: self._whole(key, expected) for key, expected in index.records.items()}
         for point in spec.points:
@@ -260,7 +265,14 @@ def _is_at(step: dict[str, float], place: dict[str, float]) -> bool:
     if not {"length", "period", "height"} <= step.keys():
         return False
     own = {"speed": step["length"] / step["period"], "step_height": step["height"], "period": step["period"]}
-    return all(math.isclose(own[name], value, rel_tol=1e-6) for name, value in place.items())
+    own |= {"yaw_rate": step.get("turn", 0.0) / step["period"], "slope": math.degrees(step.get("slope", 0.0))}
+    return all(math.isclose(own[name], value, rel_tol=1e-6, abs_tol=1e-9) for name, value in place.items())
+
+
+def end_keys(spec: Spec, point: Index) -> tuple[str, str]:
+    """Names of the motions from and to rest at a point: one pair for every slope of the grid."""
+    own = f"-{point[-1]:03d}" if spec.slope else ""
+    return START + own, STOP + own
 
 
 def _parsed(path: Path) -> Any:

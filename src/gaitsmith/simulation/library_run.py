@@ -11,12 +11,14 @@ from gaitsmith.errors import BadInput
 from gaitsmith.library.family import Family
 from gaitsmith.library.folder import Folder
 from gaitsmith.simulation.loop import Order
+from gaitsmith.simulation.terrain import parse_terrain
 
 if TYPE_CHECKING:
     from gaitsmith.robots import Robot
     from gaitsmith.simulation.scenario import Scenario
 
 _FASTER = 0.02  # √(gz), most change of speed from one step to the next
+_TURN = 0.02  # √(g/z), most change of the yaw rate
 _OTHER = 0.1  # of a value, most change of it from one step to the next
 
 
@@ -28,7 +30,8 @@ def family_of(scenario: Scenario, robot: Robot) -> Family | None:
     """
     if not scenario.library:
         return None
-    family = Family(Folder(scenario.library), robot)
+    ground = parse_terrain(scenario.terrain)
+    family = Family(Folder(scenario.library), robot, ground.amount if ground.kind == "ramp" else 0.0)
     inputs: dict[str, float] = family.coordinates(family.base)
     for prefix, command in [("", scenario), *((f"changes[{k}].", c) for k, c in enumerate(scenario.changes))]:
         try:
@@ -53,7 +56,7 @@ def _changed(family: Family, inputs: Mapping[str, float], given: Mapping[str, An
     found = dict(inputs)
     for name, value in given.items():
         if name == "speed" and value[1]:
-            raise BadInput("speed", list(value), "a speed forward: the library's gaits walk straight ahead")
+            raise BadInput("speed", list(value), "a speed forward: no gait of the library walks sideways")
         if name not in found:
             raise BadInput(name, value, f"{' and '.join(found)}, the axes of the library", "leave it out")
         if name != "speed":
@@ -71,7 +74,7 @@ class Steered:
         controller: that follows its plan.
         orders: speed, lift and period as commands; walk and stand as actions.
         given: gait inputs at first.
-        speed_unit: √(gz) of the robot, m/s.
+        units: √(gz) and √(g/z) of the robot, m/s and rad/s.
 
     Attributes:
         held: steps that stayed as they were because a gait on the way could not be planned.
@@ -84,15 +87,15 @@ class Steered:
         orders: Any,
         given: Mapping[str, Any],
         tell: Callable[[Mapping[str, Any]], None],
-        speed_unit: float,
+        units: tuple[float, float],
     ) -> None:
         self._family, self._controller, self._orders, self._tell = family, controller, orders, tell
         self._base = family.coordinates(family.base)
-        self._most = _FASTER * speed_unit
+        self._most = {"speed": _FASTER * units[0], "yaw_rate": _TURN * units[1]}
         self._wanted = _changed(family, self._base, given)
         self._moves = bool(given.get("speed", (0.0, 0.0))[0])
         self._walks = self._begun = False
-        self._now, self._weights = dict(self._base), {family.base: 1.0}
+        self._now, self._weights = dict(self._base), dict(family.rest)
         self._stretch, self.held = -1, 0
 
     def poll(self, time: float) -> Iterable[Order]:
@@ -124,7 +127,7 @@ class Steered:
         if self._begun and not begins:
             return ()
         self._begun, self._stretch = True, -1
-        self._now, self._weights = dict(self._base), {self._family.base: 1.0}
+        self._now, self._weights = dict(self._base), dict(self._family.rest)
         for half in (0, 1):
             self._family.write(half, self._weights, self._weights)
         return (Order(action="follow" if begins else "rest", told=False),)
@@ -152,7 +155,7 @@ class Steered:
 
     def _most_of(self, name: str) -> float:
         """Most change of an input from one step to the next."""
-        return self._most if name == "speed" else _OTHER * self._now[name]
+        return self._most[name] if name in self._most else _OTHER * self._now[name]
 
 
 def _towards(value: float, goal: float, most: float) -> float:

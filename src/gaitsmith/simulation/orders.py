@@ -75,7 +75,14 @@ def commands_of(
     """
     orders = given or Script(scenario_orders(scenario), step)
     if family is not None:
-        return Steered(family, controller, orders, scenario.given(), tell, controller.scale.speed)
+        return Steered(
+            family,
+            controller,
+            orders,
+            scenario.given(),
+            tell,
+            (controller.scale.speed, controller.scale.rate),
+        )
     if scenario.policy:
         return PolicyCommands(orders, controller, OnnxPolicy(scenario.policy, controller.robot))
     return orders

@@ -42,18 +42,20 @@ class _Turn:
 
     Attributes:
         gap: smallest distance between the soles' edges, m.
+        outer: the foot that bears in the first step; the outer one, so that the inner one opens, if None.
     """
 
     biped: Biped
     step: StepParameters
     gap: float
+    outer: Side | None = None
     phases: list[Phase] = field(default_factory=list)
     conditions: list[Condition] = field(default_factory=list)
 
     @property
     def first(self) -> Side:
-        """The foot that bears in the first step: the outer one, so that the inner one opens."""
-        return "right" if self.step.turn > 0.0 else "left"
+        """The foot that bears in the first step."""
+        return self.outer or ("right" if self.step.turn > 0.0 else "left")
 
     def foot(self, count: int, side: Side, wide: bool = True) -> _Foot:
         """A sole after so many steps: beside a path whose heading has changed with each of them."""
@@ -104,7 +106,8 @@ class _Turn:
 
     def motion(self, name: str, cyclic: bool = False) -> Motion:
         """What was put together."""
-        return Motion(name, tuple(self.phases), tuple(self.conditions), cyclic, record("turn", self.step))
+        told = record("turn", self.step)
+        return Motion(name, tuple(self.phases), tuple(self.conditions), cyclic, told, slope=self.step.slope)
 
 
 def check_turn(biped: Biped) -> None:
@@ -117,15 +120,16 @@ def check_turn(biped: Biped) -> None:
         raise BadInput("robot", biped.robot.card.name, "a robot with soles that have an area", "for turns")
 
 
-def turn_cycle(biped: Biped, step: StepParameters, gap: float) -> Motion:
+def turn_cycle(biped: Biped, step: StepParameters, gap: float, bears: Side | None = None) -> Motion:
     """Two steps of a turn: the inner foot opens, the outer one follows; it ends as it begins, turned twice.
 
     Args:
         biped: the robot.
         step: of the turn.
         gap: smallest distance between the soles' edges, m.
+        bears: the foot that bears in the first of them; the outer one if None.
     """
-    turn = _Turn(biped, step, gap)
+    turn = _Turn(biped, step, gap, bears)
     outer, inner = turn.first, opposite(turn.first)
     behind = turn.foot(1, inner)
     here, there, further = turn.foot(2, outer), turn.foot(3, inner), turn.foot(4, outer)
@@ -136,9 +140,16 @@ def turn_cycle(biped: Biped, step: StepParameters, gap: float) -> Motion:
     return turn.motion("cyclic", cyclic=True)
 
 
-def turn_start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Array, Array, Array], gap: float) -> Motion:
+def turn_start(
+    biped: Biped,
+    step: StepParameters,
+    rest: Array,
+    goal: tuple[Array, Array, Array],
+    gap: float,
+    bears: Side | None = None,
+) -> Motion:
     """From rest to the cyclic turn: a weight shift and two steps."""
-    turn, still = _Turn(biped, step, gap), np.zeros_like(rest)
+    turn, still = _Turn(biped, step, gap, bears), np.zeros_like(rest)
     outer, inner = turn.first, opposite(turn.first)
     stand, rises = turn.foot(0, outer, False), turn.foot(0, inner, False)
     one, two = turn.foot(1, inner), turn.foot(2, outer)
@@ -152,9 +163,16 @@ def turn_start(biped: Biped, step: StepParameters, rest: Array, goal: tuple[Arra
     return turn.motion("start")
 
 
-def turn_stop(biped: Biped, step: StepParameters, rest: Array, begin: tuple[Array, Array, Array], gap: float) -> Motion:
+def turn_stop(
+    biped: Biped,
+    step: StepParameters,
+    rest: Array,
+    begin: tuple[Array, Array, Array],
+    gap: float,
+    bears: Side | None = None,
+) -> Motion:
     """From the cyclic turn to rest: a last step, one that closes up, and a weight shift."""
-    turn, still = _Turn(biped, step, gap), np.zeros_like(rest)
+    turn, still = _Turn(biped, step, gap, bears), np.zeros_like(rest)
     outer, inner = turn.first, opposite(turn.first)
     behind, here, there = turn.foot(1, inner), turn.foot(2, outer), turn.foot(3, inner)
     x, y = turned((0.0, biped.width if outer == "left" else -biped.width), there.heading)
