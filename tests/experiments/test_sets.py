@@ -114,3 +114,10 @@ def test_with_a_gait_file_the_set_for_them_is_taken_and_one_that_commands_is_ref
     for name in TEMPLATE_SETS:
         with pytest.raises(BadInput, match="the gait decides"):
             load_set(name, gait="gait.json")
+
+
+@pytest.mark.parametrize("name", ["planned", "kick"])
+def test_a_set_for_a_planned_gait_is_refused_without_one(name):
+    """It would walk by the template, and pass."""
+    with pytest.raises(BadInput, match="--gait: got 'none'"):
+        load_set(name)

@@ -72,6 +72,8 @@ def push_grids(options: PushOptions, progress: Progress = silent) -> Result:
         columns, rows = _GRIDS, [_row(outcome) for outcome in outcomes]
     names = {grid: grid.gait_name if options.largest else grid.name for grid in skipped}
     rows += [(name, *[""] * (len(columns) - 2), "skipped") for name in names.values()]
+    if not fit:
+        notes = ["nothing was run: no walk of this set is one of this robot's; try --set strangers, or --speed"]
     notes += [f"{grid.name}: skipped, {reason}" for grid, reason in skipped.items()]
     head = {"robot": loaded.card.name, "preset": options.preset, "engine": options.engine, "set": chosen.name}
     document = {

@@ -77,9 +77,14 @@ class Reference(Frozen):
 
 
 class _Document(Frozen):
-    """A set's file; ``every`` holds what all its trials share, put over what ``extends`` brings."""
+    """A set's file; ``every`` holds what all its trials share, put over what ``extends`` brings.
+
+    Attributes:
+        planned: whether the set is about a planned gait, which has to be given.
+    """
 
     robot: str
+    planned: bool = False
     reference: Reference | None = None
     trials: tuple[TrialEntry, ...] = ()
     grids: tuple[GridEntry, ...] = ()
@@ -153,6 +158,8 @@ def load_set(
     """
     name = name or ("planned" if gait else "walks")
     document = _read(name)
+    if document.planned and not gait:
+        raise BadInput("--gait", "none", f"a gait file: what the set {name} tries", "gaitsmith plan makes one")
     robot = robot or document.robot
     loaded = load_robot(robot)
     if preset not in loaded.card.presets:
