@@ -30,6 +30,14 @@ def test_a_small_matrix_and_the_same_again(tmp_path):
     assert "2 of 2 episodes found" in " ".join(run_faults(options).notes)
 
 
+def test_a_fault_that_ends_braked_is_no_fall_without_warning(tmp_path):
+    options = FaultOptions(component=("ticks",), type=("dead",), duration=(1.0,), instants=1, out=str(tmp_path))
+    result = run_faults(options)
+    (entry,) = result.document["faults"]
+    assert (entry["survived"], entry["braked"], entry["falls"][0]["braked"]) == (0, 1, True)
+    assert result.notes[0] == "1000 ms: 0 of 1 stood, 1 ended braked, 0 fell without"
+
+
 @pytest.mark.parametrize(
     ("fields", "flag"),
     [({"component": ("nose",)}, "--component"), ({"component": ("gyro",), "type": ("odd",)}, "--type")],

@@ -9,7 +9,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.robots import load_robot
 from gaitsmith.simulation import Scenario, Simulation
 from gaitsmith.simulation.faults import Fault, groups, members, motors, sensors
-from gaitsmith.simulation.reactions import BRAKED, UNNOTICED, Reaction, with_unnoticed
+from gaitsmith.simulation.reactions import BRAKED, DRIVES, UNNOTICED, Reaction, ended_braked, with_unnoticed
 from gaitsmith.simulation.scenario import check_scenario, make_scenario
 
 ROBOT = load_robot("bhr_b2")
@@ -97,6 +97,35 @@ def test_a_controller_that_is_late_goes_on():
     assert run.controller.telemetry.missed_ticks[0] == 50
     first = run.summary().faults[0]
     assert (first.component, first.type) == ("ticks", "late")
+
+
+@pytest.mark.parametrize(
+    ("text", "state"),
+    [("ticks:delayed@1.7s,1s", "true"), ("ticks:delayed@1.9s,1s", "estimated"), ("imu:offset@1.8s,1s", "estimated")],
+)
+def test_a_second_is_survived_where_the_rest_suffices(text, state):
+    """One tick in ten, each worth ten; and an IMU that is turned on its mount, with its gyro and accelerometer off."""
+    run, _ = ran(text, duration=4.5, state=state)
+    assert run.fall is None
+    assert run.controller.state == "walking"
+    assert {entry.component for entry in run.summary().faults} >= (
+        {"ticks"} if text.startswith("ticks") else {"attitude", "gyro", "accelerometer"}
+    )
+
+
+@pytest.mark.parametrize(
+    "text", ["left_hip_pitch.motor:stuck@3.6s,1s", "left_knee.motor:dead@2.2s,1s", "ticks:dead@2s,1s"]
+)
+def test_what_a_motor_or_a_clock_takes_away_ends_braked_before_the_fall(text):
+    run, _ = ran(text, duration=5.0)
+    summary = run.summary()
+    assert summary.fell
+    assert ended_braked(summary.faults, summary.fall.time)
+    told = {(entry.component, entry.reaction) for entry in summary.faults}
+    if "hip" in text:
+        assert ("left_hip_pitch.motor", BRAKED) in told
+    if "ticks" in text:
+        assert ("ticks", DRIVES) in told
 
 
 def test_what_is_said_of_another_joint_is_not_about_this_one():

@@ -53,25 +53,25 @@ def _check_readings(g: Tick) -> None:
         control.estimated[0] == 1,
         driven,
         swing,
-        step.time[0],
+        step.time[0] + late * g.gains.dt,
         step.period[0],
         touchdown.earliest * step.period[0],
         touchdown.force,
+        g.template.latched.height[0] if state in (WALKING, STANDING) else 0.0,
+        g.motors.what,
     )
     if late > 0:
         control.missed[0] += late
         control.time[0] += late * g.gains.dt
-        step.time[0] += late * g.gains.dt
     if lost >= 0:
         control.asked[0] = FAULT
 
 
 @kernel
-def _take_state(g: Tick) -> None:
+def _take_state(g: Tick, elapsed: float) -> None:
     """State of this tick, copied or estimated."""
     q, v, measurement = g.body.q, g.body.v, g.measurement
     if g.control.estimated[0] == 1:
-        elapsed = g.gains.dt * (1 + g.checking.readings.late[0])
         estimate(g.estimation, elapsed, g.whole_body.contacts.kind)
         return
     for i in range(3):
@@ -96,13 +96,13 @@ def _watch_motors(g: Tick) -> None:
 
 
 @kernel
-def _choose_state(g: Tick) -> None:
+def _choose_state(g: Tick, elapsed: float) -> None:
     """Control state of this tick: what was asked for, unless the robot hangs in the air."""
     control, step, solution, period = g.control, g.template.step, g.whole_body.solution, g.template.latched.period[0]
     loaded = False
     for leg in range(g.measurement.sole_force.shape[0]):
         loaded = loaded or g.measurement.sole_force[leg] > g.gains.contact_force
-    control.unloaded[0] = 0.0 if loaded else control.unloaded[0] + g.gains.dt
+    control.unloaded[0] = 0.0 if loaded else control.unloaded[0] + elapsed
     stands = control.state[0] == STANDING or control.state[0] == FOLLOWING
     if control.sent[0] == 0 or (loaded and stands):
         for j in range(control.held.shape[0]):
@@ -126,9 +126,9 @@ def _choose_state(g: Tick) -> None:
 
 
 @kernel
-def _refer(g: Tick) -> None:
+def _refer(g: Tick, dt: float) -> None:
     """The template, on both feet or walking, writes the reference."""
-    template, legs, dt = g.template, g.body.legs, g.gains.dt
+    template, legs = g.template, g.body.legs
     step = template.step
     # No walk begins before a first solution: from it on the torques change no faster than they may.
     switched = g.whole_body.solution.fresh[0] == 0 and advance_phase(template, dt)
@@ -150,7 +150,7 @@ def _refer(g: Tick) -> None:
 
 
 @kernel
-def _follow(g: Tick) -> bool:
+def _follow(g: Tick, dt: float) -> bool:
     """The plan writes the reference, and the whole body follows it; True if its QP was solved."""
     following, state, frames, step, reference = g.following, g.body.state, g.body.frames, g.template.step, g.reference
     event = follow(
@@ -161,7 +161,7 @@ def _follow(g: Tick) -> bool:
         state.com_velocity,
         g.measurement.sole_force,
         reference,
-        g.gains.dt,
+        dt,
     )
     if event != ON_TIME:
         step.last_duration[0] = step.time[0]
@@ -178,7 +178,8 @@ def _follow(g: Tick) -> bool:
 def _send(g: Tick, solved: bool) -> None:
     """Torque of this tick into ``control.torque``: inside its limit, no faster than its rate, never NaN."""
     control, body, gains, found = g.control, g.body, g.gains, g.whole_body.solution.torque
-    torque, state, step = control.torque, control.state[0], g.whole_body.joint_bounds.torque_step
+    torque, state = control.torque, control.state[0]
+    step = g.whole_body.joint_bounds.torque_step * g.whole_body.solution.elapsed[0]
     free = state != WALKING and state != STANDING and state != FOLLOWING
     for j in range(torque.shape[0]):
         limit, speed = body.legs.torque_limit[j], body.v[6 + j]
@@ -210,17 +211,19 @@ def tick(table: int) -> None:
     control.time[0] += g.gains.dt
     _open_mailbox(g)
     solved = False
+    elapsed = g.gains.dt * (1 + g.checking.readings.late[0])
+    g.whole_body.solution.elapsed[0] = 1 + g.checking.readings.late[0]
     _check_readings(g)
-    _take_state(g)
+    _take_state(g, elapsed)
     _watch_motors(g)
     g.checking.readings.late[0] = 0
     update_dynamics(body.tree, body.state, body.q, body.v)
     observe_frames(body)
-    _choose_state(g)
+    _choose_state(g, elapsed)
     if control.state[0] == STANDING:
-        _refer(g)
+        _refer(g, elapsed)
         solved = solve_whole_body(g.whole_body, g.tasks)
     elif control.state[0] == FOLLOWING:
-        solved = _follow(g)
+        solved = _follow(g, elapsed)
     _send(g, solved)
     report(g)

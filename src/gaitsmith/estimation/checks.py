@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import math
 
-from gaitsmith.compiled import kernel
+from gaitsmith.compiled import IntVector, kernel
 from gaitsmith.dynamics.rotation import turn_quaternion
 from gaitsmith.estimation.channel import is_valid, judge, judge_attitude, passes, settle
-from gaitsmith.estimation.inertial import check_inertial
+from gaitsmith.estimation.inertial import check_inertial, unshift_attitude
 from gaitsmith.estimation.readings import (
     ANGLES,
     ATTITUDE,
@@ -30,7 +30,8 @@ from gaitsmith.estimation.readings import (
 from gaitsmith.estimation.sole_force import check_force
 from gaitsmith.whole_body.reference import NONE
 
-_FALLEN = 0.9  # rad of tilt from which no torque brings the torso back
+_FALLEN = (0.9, 0.57)  # rad of tilt, share of the commanded height of the hips: beyond, no torque brings it back
+_FALLING = (0.7, 0.6)  # the same while a motor is weak
 _SHARE = 0.2  # of a new difference in the smoothed one
 _RATE_ERROR = 0.15  # ω, smoothed, that a joint's rate may differ from its angle's slope
 _STRUCK = (0.5, 4.0)  # of the gate: by which a joint that was struck leaves the model behind in every tick
@@ -200,6 +201,22 @@ def _check_velocity(g: Checking, c: int, first: int, last: int, dt: float) -> No
 
 
 @kernel
+def _lost_balance(g: Checking, height: float, weak: IntVector) -> int:
+    """0 while torques may bring the robot back; else 1, or 2 + j if motor j was weak lately: then it ends earlier."""
+    r, tilt, place, hips = g.readings, g.body.frames.tilt, g.body.frames.relative_position, 0.0
+    r.weak[1] = max(r.weak[1] - 1, 0)
+    for j in range(weak.shape[0]):
+        if weak[j] == 1:
+            r.weak[0], r.weak[1] = j, r.patience[POSITION]
+    for leg in range(place.shape[0]):
+        hips = max(hips, -place[leg, 2])
+    most, least = _FALLING if r.weak[1] > 0 else _FALLEN
+    if max(abs(tilt[0]), abs(tilt[1])) > most or hips < least * height:
+        return 2 + r.weak[0] if r.weak[1] > 0 else 1
+    return 0
+
+
+@kernel
 def check_readings(
     g: Checking,
     dt: float,
@@ -210,6 +227,8 @@ def check_readings(
     period: float,
     earliest: float,
     least: float,
+    height: float,
+    weak: IntVector,
 ) -> int:
     """Check every reading of this tick and, where needed, replace it.
 
@@ -223,6 +242,8 @@ def check_readings(
         period: of the step, s.
         earliest: before which no sole lands, s.
         least: force that counts as contact, N.
+        height: commanded, of the hips, m; 0 if none is.
+        weak: (nj,) 1 for a motor that gives less than it is told.
 
     Returns:
         The channel that the robot cannot do without any longer; -1 if there is none.
@@ -231,6 +252,8 @@ def check_readings(
     nj, elapsed = r.rate.shape[0], dt * (1 + r.late[0])
     first = r.begun[0] == 0
     r.begun[0] = 1
+    if r.shifted[0] == 1 and estimated:
+        unshift_attitude(g)
     _difference(r, g, 1.0 / elapsed)
     r.trusted[0] = 1 if r.late[0] > 0 or first or not driven or r.moving[0] == 0 else 0
     _expect(g, elapsed, estimated, driven)
@@ -254,11 +277,11 @@ def check_readings(
         if leg != swing and g.reference.contact[leg] != NONE and not _rests_on(g, leg):
             for i in range(3):
                 r.normal[i] = g.body.frames.sole_rotation[leg, i, 2]
-    fallen = driven and max(abs(g.body.frames.tilt[0]), abs(g.body.frames.tilt[1])) > _FALLEN
+    beyond = _lost_balance(g, height, weak) if driven else 0
     if r.late[0] > r.longest_gap[0]:
         r.culprit[0] = r.what.shape[0]
-    elif fallen and r.culprit[0] < 0:
-        r.culprit[0] = r.what.shape[0] + 1
-    elif not fallen and r.culprit[0] >= r.what.shape[0]:
+    elif beyond > 0 and r.culprit[0] < 0:
+        r.culprit[0] = r.what.shape[0] + beyond
+    elif beyond == 0 and r.culprit[0] >= r.what.shape[0]:
         r.culprit[0] = -1
     return int(r.culprit[0])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from gaitsmith.compiled import kernel
 from gaitsmith.dynamics.rotation import turn_quaternion
 from gaitsmith.estimation.channel import judge, judge_attitude, settle
@@ -11,6 +13,7 @@ _GYRO_TIME = 0.02  # s, smoothing of the attitude's error
 _ATTITUDE_ERROR = 0.03  # rad, smoothed, that a gyro may turn away from the attitude
 _TURN_GAIN, _RATE_GAIN = 50.0, 625.0  # 1/s, 1/s²: of the attitude's error on attitude and rate without a gyro
 _PULL_TIME = 0.3  # s, smoothing of the accelerometer's difference from gravity
+_RETAKE = 20  # ticks after which an attitude that has jumped, and not gone on, is taken anew
 _PULL_ERROR = 0.45  # g, smoothed, by which it may differ; half of that to be good again
 
 
@@ -31,6 +34,40 @@ def _check_accelerometer(g: Checking, c: int, dt: float) -> None:
 
 
 @kernel
+def unshift_attitude(g: Checking) -> None:
+    """The attitude without the jump that it once made."""
+    q, s = g.measurement.base_quaternion, g.readings.shift
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    q[0] = w * s[0] + x * s[1] + y * s[2] + z * s[3]
+    q[1] = x * s[0] - w * s[1] - y * s[3] + z * s[2]
+    q[2] = y * s[0] - w * s[2] - z * s[1] + x * s[3]
+    q[3] = z * s[0] - w * s[3] - x * s[2] + y * s[1]
+
+
+@kernel
+def _take_jump(g: Checking, known: bool) -> bool:
+    """An attitude that has jumped goes on from what is expected, if that is known; True for one that has come back.
+
+    A mount that slips turns every reading by the same rotation s: as read, R s = R_expected s' with s' of this tick.
+    """
+    r, q, p, s = g.readings, g.measurement.base_quaternion, g.expected.base_quaternion, g.readings.shift
+    w = q[0] * s[0] - q[1] * s[1] - q[2] * s[2] - q[3] * s[3]
+    x = q[0] * s[1] + q[1] * s[0] + q[2] * s[3] - q[3] * s[2]
+    y = q[0] * s[2] + q[2] * s[0] + q[3] * s[1] - q[1] * s[3]
+    z = q[0] * s[3] + q[3] * s[0] + q[1] * s[2] - q[2] * s[1]
+    size = math.sqrt(w * w + x * x + y * y + z * z)
+    a = (p[0] * w + p[1] * x + p[2] * y + p[3] * z) / size
+    b = (p[0] * x - p[1] * w - p[2] * z + p[3] * y) / size
+    c = (p[0] * y - p[2] * w - p[3] * x + p[1] * z) / size
+    d = (p[0] * z - p[3] * w - p[1] * y + p[2] * x) / size
+    back = max(abs(b), abs(c), abs(d)) < r.gate[ATTITUDE]
+    if back or (known and (r.what[ATTITUDE] == GOOD or r.lost[ATTITUDE] % _RETAKE == 0)):
+        s[0], s[1], s[2], s[3] = (1.0, 0.0, 0.0, 0.0) if back else (a, b, c, d)
+        r.shifted[0] = 0 if back else 1
+    return bool(back)
+
+
+@kernel
 def check_inertial(g: Checking, dt: float) -> None:
     """Attitude, accelerometer and gyro of a robot that has nothing else."""
     r, q, p = g.readings, g.measurement.base_quaternion, g.expected.base_quaternion
@@ -38,14 +75,15 @@ def check_inertial(g: Checking, dt: float) -> None:
     gyro = accelerometer + 1
     _check_accelerometer(g, accelerometer, dt)
     what = judge_attitude(g, dt)
-    if r.lost[gyro] > 0 and what == JUMP:  # without a gyro it is the attitude that counts
+    known = r.lost[gyro] == 0
+    if what == JUMP and not _take_jump(g, known) and not known:  # without a gyro it is the attitude that counts
         what = GOOD
     off = (
         2.0 * (p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2]),
         2.0 * (p[0] * q[2] + p[1] * q[3] - p[2] * q[0] - p[3] * q[1]),
         2.0 * (p[0] * q[3] - p[1] * q[2] + p[2] * q[1] - p[3] * q[0]),
     )
-    settle(r, ATTITUDE, what, r.lost[gyro] == 0)
+    settle(r, ATTITUDE, what, known)
     what, worst, known = judge(r, gyro, dt), 0.0, r.lost[ATTITUDE] == 0
     for i in range(3):
         r.error[3 + i] += dt / _GYRO_TIME * ((off[i] if known else 0.0) - r.error[3 + i])

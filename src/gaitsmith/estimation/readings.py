@@ -57,6 +57,9 @@ class Readings(NamedTuple):
         error: (nv,) velocity by differences minus velocity as read, smoothed; with sensors alone, entries 0 to 2: the
             accelerometer minus gravity, smoothed, m/s²; 3 to 5: the attitude minus that turned by the gyro, rad.
         rate: (nj,) joint rates as the model goes on with them, rad/s.
+        shift: (4,) rotation by which the attitude has jumped, taken off it since, torso axes.
+        shifted: (1,) 1 while there is one.
+        weak: (2,) motor that was named last, and ticks for which that is remembered.
         normal: (3,) ground's normal below the sole that stood last, world axes.
         odd: (n,) ticks for which a sole has been loaded high up, or unloaded though it has landed.
         landing_speed: (n,) speed of a sole when its force came, m/s.
@@ -65,7 +68,7 @@ class Readings(NamedTuple):
         height_unit: (1,) z, m.
         changes: (1,) how many times something has become wrong or good again.
         culprit: (1,) channel that the robot cannot do without any longer, m for ticks that came too late, m + 1 for a
-            torso that tilts too far; -1 for none.
+            torso that tilts or hips that sink too far, m + 2 + j for the same while motor j is weak; -1 for none.
         late: (1,) ticks missed just now.
         longest_gap: (1,) ticks that may be missed in a row.
         begun: (1,) 1 once anything has been read.
@@ -92,6 +95,9 @@ class Readings(NamedTuple):
     valid: IntVector
     error: Vector
     rate: Vector
+    shift: Vector
+    shifted: IntVector
+    weak: IntVector
     normal: Vector
     odd: IntVector
     landing_speed: Vector
@@ -184,6 +190,8 @@ def make_readings(
         valid=np.zeros(6 + nj, dtype=np.int64),
         error=np.zeros(6 + nj),
         rate=np.zeros(nj),
+        shift=np.array([1.0, 0.0, 0.0, 0.0]),
+        weak=np.zeros(2, dtype=np.int64),
         normal=np.array([0.0, 0.0, 1.0]),
         odd=np.zeros(n, dtype=np.int64),
         landing_speed=np.zeros(n),
@@ -193,5 +201,5 @@ def make_readings(
         changes=np.zeros(1, dtype=np.int64),
         culprit=np.array([-1]),
         longest_gap=np.array([round(_LONGEST_GAP / rate / dt)]),
-        **{name: np.zeros(1, dtype=np.int64) for name in ("late", "begun", "moving", "trusted")},
+        **{name: np.zeros(1, dtype=np.int64) for name in ("shifted", "late", "begun", "moving", "trusted")},
     ), expected

@@ -25,7 +25,7 @@ from gaitsmith.simulation.faults import (
     motors,
     sensors,
 )
-from gaitsmith.simulation.reactions import UNNOTICED
+from gaitsmith.simulation.reactions import UNNOTICED, ended_braked
 
 _BEFORE, _AFTER = 6.0, 9.0  # of the period: walked before the first instant; watched after the fault
 _NOTHING: Mapping[str, Any] = {}
@@ -137,6 +137,13 @@ def _stood(summaries: list[Summary]) -> int:
     return sum(not summary.fell and summary.control_state != "fault" for summary in summaries)
 
 
+def _braked(summary: Summary) -> bool:
+    """Whether a run ended with braked joints and a name for it, before the robot was down."""
+    if summary.fall is None:
+        return summary.control_state == "fault"
+    return ended_braked(summary.faults, summary.fall.time)
+
+
 def _reaction(summaries: list[Summary]) -> str:
     """What was done most often."""
     done = Counter(entry.reaction for summary in summaries for entry in summary.faults if entry.reaction != UNNOTICED)
@@ -144,17 +151,17 @@ def _reaction(summaries: list[Summary]) -> str:
 
 
 def _entry(cell: Cell, summaries: list[Summary]) -> dict[str, Any]:
-    """One cell as plain data; ``braked`` counts those that ended in the fault state."""
+    """One cell as plain data; ``braked`` counts those that ended with braked joints and a name, before they fell."""
     return {
         "component": cell.component,
         "type": cell.type,
         "duration": cell.duration,
         "survived": _stood(summaries),
         "of": len(summaries),
-        "braked": sum(summary.control_state == "fault" for summary in summaries),
+        "braked": sum(map(_braked, summaries)),
         "reaction": _reaction(summaries),
         "falls": [
-            {"time": scenario.faults[0].time, "reason": summary.fall.reason}
+            {"time": scenario.faults[0].time, "reason": summary.fall.reason, "braked": _braked(summary)}
             for scenario, summary in zip(cell.scenarios, summaries, strict=False)
             if summary.fall is not None
         ],
@@ -171,4 +178,6 @@ def _row(options: FaultOptions, found: list[tuple[Cell, list[Summary]]], name: s
 def _total(duration: float, found: list[tuple[Cell, list[Summary]]]) -> str:
     """How many of one duration stood."""
     own = [summary for cell, summaries in found if cell.duration == duration for summary in summaries]
-    return f"{1000 * duration:g} ms: {_stood(own)} of {len(own)} stood"
+    stood, braked = _stood(own), sum(map(_braked, own))
+    rest = f", {braked} ended braked, {len(own) - stood - braked} fell without" if stood < len(own) else ""
+    return f"{1000 * duration:g} ms: {stood} of {len(own)} stood{rest}"

@@ -7,7 +7,7 @@ import gc
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -32,7 +32,7 @@ from gaitsmith.simulation.memory import resident_mb
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.orders import commanded_first, commands_of, controller_of, first_gait
 from gaitsmith.simulation.planned_run import Tracked, balls_of, plan_of, region_of
-from gaitsmith.simulation.reactions import Reactions, with_unnoticed
+from gaitsmith.simulation.reactions import DAMPED, DRIVES, Reactions, with_unnoticed
 from gaitsmith.simulation.remote import RemoteController
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
 from gaitsmith.simulation.run_folder import log_notes
@@ -111,7 +111,7 @@ class Simulation:
         check_scenario(scenario, self.robot)
         self._gait = first_gait(scenario, self.robot)
         self.controller = controller or controller_of(
-            scenario, self.robot, self._gait, lambda why: self._reactions.add("controller", why, "joints braked")
+            scenario, self.robot, self._gait, lambda why: self._reactions.add("controller", why, DAMPED)
         )
         state = "estimated" if self.controller.estimated else "true"
         if state != scenario.state:
@@ -164,7 +164,8 @@ class Simulation:
         orders = commands_of(scenario, self.controller, self._family, step, self._tell, commands or self._guide)
         backend: Backend = self.plant
         if scenario.faults:
-            backend = Injector(self.plant, scenario.faults, self.robot, self._tell)
+            braked = partial(self._reactions.add, "ticks", "late", DRIVES)
+            backend = Injector(self.plant, scenario.faults, self.robot, self._tell, braked)
         self._steered = orders if isinstance(orders, Steered) else None
         self.loop = Loop(backend, self.controller, orders, observers, getattr(backend, "withholds", None))
         self._watch, self._memory = Stopwatch(), resident_mb()

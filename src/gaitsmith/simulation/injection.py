@@ -32,15 +32,22 @@ class Injector:
         faults: checked against the robot.
         robot: whose components they are.
         tell: hears of the beginning and the end of every fault.
+        braked: called when the motors' drives brake the joints, as no torque comes.
 
     Attributes:
         control_step: of the plant, s.
     """
 
     def __init__(
-        self, plant: Plant, faults: Sequence[Fault], robot: Robot, tell: Callable[[Mapping[str, Any]], None]
+        self,
+        plant: Plant,
+        faults: Sequence[Fault],
+        robot: Robot,
+        tell: Callable[[Mapping[str, Any]], None],
+        braked: Callable[[], None] = lambda: None,
     ) -> None:
         self._plant, self._faults, self._tell, self.control_step = plant, faults, tell, plant.control_step
+        self._braked = braked
         self._limit, nj, n = np.asarray(robot.torque_limit), len(robot.joint_names), len(robot.legs)
         names = channel_names(tuple(robot.joint_names), tuple(leg.name for leg in robot.legs))
         sizes = [3, 4, 6, *[1] * (2 * nj), 3, 3, *[1] * n]
@@ -133,6 +140,8 @@ class Injector:
             ]
             sent[motors] = changed[motors]
         if self._withheld > self._gap:
+            if self._withheld == self._gap + 1:
+                self._braked()
             sent = np.clip(-_BRAKE * self._limit * self._plant.v[6:], -self._limit, self._limit)
         self._plant.step(sent)
         self._tick += 1

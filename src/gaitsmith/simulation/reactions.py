@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,9 +15,11 @@ if TYPE_CHECKING:
     from gaitsmith.simulation.faults import Fault
 
 _MOST = 200  # kept; a sensor that comes and goes would fill the memory
-_BEYOND = {"ticks": "late", "balance": "torso tilted too far"}
+_BEYOND = {"ticks": "late", "balance": "torso tilted or hips sunk too far"}
 WEAK, TOLD = "does not give the torque that it is told", "told; the other joints make up for it as far as they can"
-BRAKED = "joints braked: it cannot be done without"
+BRAKED, DAMPED = "joints braked: it cannot be done without", "joints braked"
+DRIVES = "the motors' drives brake the joints, as no torque comes"
+FALLING = "weak, and the robot falls"
 UNNOTICED = "none: not noticed"
 
 
@@ -102,9 +104,9 @@ class Reactions:
         self._weak[:] = self._motor
         lost = int(counts[1])
         if counts[1] != before[1] and lost >= 0:
-            name = (*self._names, "ticks", "balance")[lost]
-            kind = WHAT[int(self._what[lost])] if lost < len(self._names) else _BEYOND[name]
-            self.add(name, kind, BRAKED if name != "balance" else "joints braked")
+            name = (*self._names, *_BEYOND, *(f"{joint}.motor" for joint in self._motors))[lost]
+            kind = WHAT[int(self._what[lost])] if lost < len(self._names) else _BEYOND.get(name, FALLING)
+            self.add(name, kind, BRAKED if name != "balance" else DAMPED)
         elif counts[2] != before[2] and not (self.found and self.found[-1].component == "ticks"):
             self.add("ticks", "late", "the last torque held, the step's clock advanced")
 
@@ -116,6 +118,11 @@ class Reactions:
         found = Reaction(time=self._now, component=component, type=kind, reaction=reaction)
         self.found.append(found)
         self._tell({"reaction": found.model_dump()})
+
+
+def ended_braked(found: Iterable[Reaction], fell: float) -> bool:
+    """Whether the joints were braked, and it was told why, before a robot fell, s."""
+    return any(entry.reaction in (BRAKED, DAMPED, DRIVES) and entry.time < fell for entry in found)
 
 
 def _concerns(fault: Fault, found: Reaction) -> bool:

@@ -35,6 +35,7 @@ class Solution(NamedTuple):
         wrench: (n, 6) force and moment on each sole at its origin, world axes, N and N·m; 0 for a sole in the air.
         acceleration: (nv,) that the solution predicts.
         fresh: (1,) 1 until a first solution: the change of torque is not bounded then.
+        elapsed: (1,) ticks since the torque before, more than one after late ticks.
         solves: (1,) since the reset.
         fallbacks: (1,) ticks without a solution.
         infeasible: (1,) of these, ticks whose bounds contradict each other.
@@ -48,6 +49,7 @@ class Solution(NamedTuple):
     wrench: Matrix
     acceleration: Vector
     fresh: IntVector
+    elapsed: IntVector
     solves: IntVector
     fallbacks: IntVector
     infeasible: IntVector
@@ -75,7 +77,7 @@ def make_whole_body(
 ) -> WholeBody:
     """A problem that has not been solved yet, for a body and the reference that it is to follow."""
     nv, n_joints, n_soles = body.v.shape[0], reference.joint.shape[1], len(reference.contact)
-    counts = {name: np.zeros(1, dtype=np.int64) for name in Solution._fields[4:]}
+    counts = {name: np.zeros(1, dtype=np.int64) for name in Solution._fields[5:]}
     torque, wrench = np.zeros(n_joints), np.zeros((n_soles, 6))
     n = variable_count(n_joints, n_soles)
     rows = (FORCE_ROWS + max(body.legs.edge.shape[1], 2)) * n_soles + n_joints
@@ -87,5 +89,5 @@ def make_whole_body(
         joint_bounds=joint_bounds,
         motion=make_motion(nv, n_joints, n_soles),
         program=make_quadratic_program(padded(n + 1), rows)._replace(hessian=storage(padded(n + 1), n + 1)),
-        solution=Solution(torque, wrench, np.zeros(nv), np.ones(1, dtype=np.int64), **counts),
+        solution=Solution(torque, wrench, np.zeros(nv), *np.ones((2, 1), dtype=np.int64), **counts),
     )

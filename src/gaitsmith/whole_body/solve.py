@@ -39,7 +39,7 @@ def _torque_bounds(g: WholeBody, tasks: TaskTable, n: int) -> None:
     for i in range(n):
         qp.lower[i], qp.upper[i] = -math.inf, math.inf
         qp.hessian[i, i] += tasks.regularisation
-    step = math.inf if solution.fresh[0] == 1 else g.joint_bounds.torque_step
+    step = math.inf if solution.fresh[0] == 1 else g.joint_bounds.torque_step * solution.elapsed[0]
     for j in range(solution.torque.shape[0]):
         limit, last = limits[j], solution.torque[j]
         qp.lower[j] = min(max(-limit, last - step), limit)
