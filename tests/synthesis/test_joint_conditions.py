@@ -110,14 +110,15 @@ def test_what_weighs_more_is_spared_and_the_weights_are_those_of_j(gait, planner
     assert found.gait is not None, found.reason
     assert verify(gait_of(gait_document(found.gait)), robot, 2).ok
     weighed = found.gait.certificate
-    for change in ({"right_knee": 1.0}, {"right_knee": -5.0}, {"wing": 2.0}, [1.0]):
-        other = replace(found.gait, certificate=weighed | {"effort_weights": change})
-        assert not verify(other, robot, 2).ok
     names = gait.joint_names
     efforts = []
     for item in (gait, found.gait):
         torques = np.hstack([item.torques(k, t) for k, t in enumerate(_instants(item))])
         efforts.append(np.sum(torques**2, axis=1))
+    idlest = {**weighed["effort_weights"], names[int(np.argmin(efforts[1]))]: 1.001}
+    for change in ({"right_knee": 1.0}, {"right_knee": -5.0}, {"wing": 2.0}, [1.0], idlest):
+        other = replace(found.gait, certificate=weighed | {"effort_weights": change})
+        assert not verify(other, robot, 2).ok
     before, after = (each[[names.index("right_knee"), names.index("left_knee")]] for each in efforts)
     assert after[0] < before[0]
     assert after[1] > before[1]

@@ -1,5 +1,8 @@
 """From a neighbour, else from nothing: said which, and nothing that was spent is lost."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from gaitsmith.synthesis.requests.nearby import plan_nearby
@@ -18,6 +21,12 @@ class Answers:
     def plan(self, motion, settings, neighbour=None):
         self.asked.append(neighbour)
         return self.cold if neighbour is None else self.near
+
+
+def test_a_neighbour_with_another_number_of_unknowns_gives_no_start_and_is_not_named_as_one():
+    planner = Answers(replace(SOLVED, variables=12), FAILED)
+    found, came = plan_nearby(planner, None, None, replace(SOLVED, x=np.zeros(10)))
+    assert (found.gait is not None, came, len(planner.asked)) == (True, False, 1)
 
 
 @pytest.mark.parametrize(

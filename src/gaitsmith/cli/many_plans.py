@@ -38,7 +38,8 @@ def sweep(robot: str, jobs: int) -> Outcome:
 
 
 def _sweep_lines(cells: list[Cell], document: dict[str, Any]) -> Iterator[Text]:
-    yield f"{document['certified']} of {document['reachable']} gaits within reach certified"
+    warm = f"{document['warm']} planned from the period before"
+    yield f"{document['certified']} of {document['reachable']} gaits within reach certified, {warm}"
     headings = ("speed\nm/s", "period\ns", "step\nm", "status", "objective", "iterations", "s", "ZMP\nmm")
     forms = {"speed": ".3f", "period": ".2f", "length": ".3f", "status": "", "objective": ".1f", "iterations": ""}
     forms |= {"time_s": ".2f", "zmp_margin_mm": ".1f"}

@@ -46,7 +46,7 @@ EDGE = 1e-6  # of weight times height: moment about the edge or the line that a 
 AIR = 1e-9  # of the weight: wrench on a foot in the air
 UNLOADED = 1e-9  # of the weight: what a foot that bears next to nothing may exert beyond its cones
 PENETRATION = 0.1  # mm
-OBJECTIVE = 1e-5  # relative
+OBJECTIVE = 1e-9  # relative
 
 
 @dataclass(eq=False)

@@ -21,12 +21,15 @@ def plan_nearby(
         neighbour: result for the same phases with nearby numbers.
 
     Returns:
-        The result, and whether it comes from the neighbour. What was spent on a neighbour that led nowhere counts in
-        its iterations, and as one fallback more.
+        The result, and whether it comes from the neighbour. One with another number of unknowns (longer phases have
+        more sections) gives no start: the plan comes from nothing then. What was spent on a neighbour that led nowhere
+        counts in its iterations, and as one fallback more.
     """
     if neighbour is None:
         return planner.plan(motion, settings), False
     near = planner.plan(motion, settings, neighbour=neighbour)
+    if near.variables != len(neighbour.x):
+        return near, False
     if near.gait is not None:
         return near, True
     found = planner.plan(motion, settings)

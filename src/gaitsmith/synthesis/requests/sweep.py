@@ -39,6 +39,7 @@ class Cell:
         iterations: of all solves.
         time_s: spent.
         zmp_margin_mm: found by :func:`verify`, 0 unless certified.
+        warm: whether the plan comes from that of the period before.
     """
 
     speed: float
@@ -51,6 +52,7 @@ class Cell:
     iterations: int = 0
     time_s: float = 0.0
     zmp_margin_mm: float = 0.0
+    warm: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -70,9 +72,10 @@ def sweep_row(robot: str, speed: float, periods: tuple[float, ...]) -> list[Cell
         if cell.reachable:
             begin = time.perf_counter()
             motion = cyclic(planner.biped, StepParameters(length, period))
-            found, _ = plan_nearby(planner, motion, settings, neighbour)
+            found, warm = plan_nearby(planner, motion, settings, neighbour)
             spent = time.perf_counter() - begin
             cell = replace(cell, status="failed", reason=found.reason, iterations=found.iterations, time_s=spent)
+            cell = replace(cell, warm=warm)
             if found.gait is not None:
                 neighbour, verdict = found, verify(found.gait, loaded)
                 status, reason = ("certified", "") if verdict.ok else ("failed", "; ".join(verdict.problems[:2]))
@@ -115,6 +118,7 @@ def sweep_document(cells: list[Cell]) -> dict[str, Any]:
         "status": "solved" if len(certified) >= 0.95 * len(reachable) else "not solved",
         "reachable": len(reachable),
         "certified": len(certified),
+        "warm": sum(cell.warm for cell in cells),
         "share": len(certified) / max(len(reachable), 1),
         "cells": [cell.as_dict() for cell in cells],
     }
