@@ -29,3 +29,13 @@ def test_constant_control_points_give_a_constant(degree):
     for section, t in ((0, 0.1), (1, 0.5), (2, 0.9)):
         assert abs(spline.row(section, t).sum() - 1.0) < ROUNDING
         assert abs(spline.row(section, t, 1).sum()) < ROUNDING
+
+
+@pytest.mark.parametrize("degree", [4, 5])
+def test_a_line_s_values_at_the_places_of_the_control_points_give_the_line(degree):
+    spline = JointSpline(np.array([0.0, 0.2, 0.7, 0.9]), degree)
+    control = 0.3 - 2.0 * spline.places
+    for section, t in ((0, 0.1), (1, 0.5), (2, 0.9)):
+        own = control[spline.first(section) : spline.first(section) + degree + 1]
+        assert abs(spline.row(section, t) @ own - (0.3 - 2.0 * t)) < ROUNDING
+        assert abs(spline.row(section, t, 1) @ own + 2.0) < ROUNDING

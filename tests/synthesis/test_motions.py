@@ -1,4 +1,4 @@
-"""Start, stop, whole walk and kick: solved from the default start and confirmed by MuJoCo."""
+"""Start, stop, whole walk and kick: solved by quadratic programs alone and confirmed by MuJoCo."""
 
 import numpy as np
 import pytest
@@ -35,6 +35,7 @@ def kick(planner):
 def test_walk_is_continuous_and_confirmed(walk, robot):
     assert walk.gait is not None, walk.main.reason
     assert set(walk.results) == {"cyclic", "start", "stop"}
+    assert not any(found.fallbacks for found in walk.results.values())
     verdict = verify(walk.gait, robot, 100)
     assert verdict.ok, verdict.problems
     assert verdict.zmp_margin > 20.0

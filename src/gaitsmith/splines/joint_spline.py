@@ -25,7 +25,7 @@ class JointSpline:
     """Polynomials of one degree over consecutive sections, joined with continuous position, velocity, acceleration.
 
     The free numbers are B-spline control points; ``sections[k]`` maps those that matter to the section's Bernstein
-    coefficients.
+    coefficients. A curve's values at ``places``, s (Greville's), make a spline near it.
 
     Args:
         knots: (N + 1,) section borders, s, increasing.
@@ -38,7 +38,9 @@ class JointSpline:
         self.new = degree - 2  # control points that a section adds at C²
         count = len(self.knots) - 1
         self.size = degree + 1 + self.new * (count - 1)
-        self.sections = _bezier_maps(self.knots, degree)
+        padded = _padded(self.knots, degree)
+        self.sections = _bezier_maps(self.knots, padded, degree)
+        self.places = np.array([padded[k + 1 : k + degree + 1].mean() for k in range(self.size)])
         self._rows: dict[tuple[int, float, int], Array] = {}
 
     def first(self, section: int) -> int:
@@ -58,16 +60,17 @@ class JointSpline:
         return row
 
 
-def _bezier_maps(knots: Array, degree: int) -> list[Array]:
+def _padded(knots: Array, degree: int) -> Array:
+    """All knots of the B-splines: the ends degree + 1 times, those inside degree - 2 times."""
+    return np.concatenate([[knots[0]] * (degree + 1), np.repeat(knots[1:-1], degree - 2), [knots[-1]] * (degree + 1)])
+
+
+def _bezier_maps(knots: Array, padded: Array, degree: int) -> list[Array]:
     """Per section, the matrix (degree + 1, degree + 1) from B-spline control points to Bernstein coefficients.
 
     Blossoming: a Bernstein coefficient is the spline's blossom at the section's two ends, each repeated.
     """
-    multiplicity = degree - 2
-    padded = np.concatenate(
-        [[knots[0]] * (degree + 1), np.repeat(knots[1:-1], multiplicity), [knots[-1]] * (degree + 1)]
-    )
-    maps = []
+    multiplicity, maps = degree - 2, []
     for section in range(len(knots) - 1):
         start = degree + section * multiplicity
         a, b = knots[section], knots[section + 1]

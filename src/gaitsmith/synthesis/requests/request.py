@@ -76,10 +76,8 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
 
     def run(motion: Motion, chosen: Settings, neighbour: PlanResult | None = None) -> PlanResult:
         tell = None if report is None else lambda rounds, progress: report(motion.name, rounds, progress)
-        found = planner.plan(motion, chosen, neighbour=neighbour, report=tell)
-        if neighbour is None:
-            results[motion.name] = found
-        return found
+        results[motion.name] = planner.plan(motion, chosen, neighbour=neighbour, report=tell)
+        return results[motion.name]
 
     squat = max(REST * biped.height, settings.sized(biped).bounds.squat)
     rest = standing(biped, biped.height - squat, request.step.slope)
@@ -110,7 +108,7 @@ def answer(planner: Planner, request: Request, report: _REPORT | None = None) ->
 def _ends(
     planner: Planner,
     request: Request,
-    run: Callable[[Motion, Settings], PlanResult],
+    run: Callable[[Motion, Settings, PlanResult], PlanResult],
     results: dict[str, PlanResult],
     cycle: PlanResult,
     rest: Array,
@@ -127,12 +125,12 @@ def _ends(
     elif request.kind == "turn":
         gap = settings.sized(biped).bounds.foot_gap
         first, last = partial(turn_start, gap=gap), partial(turn_stop, gap=gap)
-    begin = run(first(biped, request.step, rest, state), settings) if request.kind != "stop" else None
+    begin = run(first(biped, request.step, rest, state), settings, cycle) if request.kind != "stop" else None
     if begin is not None and (begin.gait is None or request.kind == "start"):
         return Answer(results, begin.gait)
     closing = last(biped, request.step, rest, state)
     closing = replace(closing, conditions=closing.conditions + leaning(biped, cycle.gait))
-    end = run(closing, settings)
+    end = run(closing, settings, cycle)
     if request.kind == "stop" or begin is None or end.gait is None or begin.gait is None:
         return Answer(results, end.gait)
     return Answer(results, _joined(planner, request, begin, cycle, end))

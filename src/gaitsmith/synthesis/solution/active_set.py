@@ -40,28 +40,35 @@ class ActiveStep:
         multipliers: (rows,) of equalities and bounds; positive at an upper bound.
         held: (k,) rows that hold with equality.
         curved: whether H curved downwards where the equalities leave it free, and was turned upwards there.
-        rows: (k, n) of the Jacobian, those held.
-        independent: which of the equalities stood for all of them.
+        independent: which of the equalities stood for all of them; they are the first of those held.
+        equalities, rows, root, slopes: what meets those; the other rows held, (b, n) of the Jacobian; L; L⁻¹ (rows Z)ᵀ.
     """
 
     step: Array
     multipliers: Array
     held: Indices
     curved: bool
-    rows: Array
     independent: Indices
+    equalities: Equalities
+    rows: sp.csr_matrix
+    root: Array
+    slopes: Array
 
     @cached_property
     def _factor(self) -> tuple[Array, Array, Indices]:
-        Q, R, order = la.qr(self.rows.T, mode="economic", pivoting=True, check_finite=False)
+        Q, R, order = la.qr(self.slopes.T, mode="economic", pivoting=True, check_finite=False)
         size = np.abs(np.diag(R))
         rank = int(np.sum(size > _DEPENDENT * size.max(initial=0.0)))
         return Q[:, :rank], R[:rank, :rank], order[:rank]
 
     def towards(self, gaps: Array) -> Array:
-        """Least change (n,) of the unknowns that moves the held rows by ``gaps`` (k,)."""
+        """Least change (n,) of the unknowns, as H measures it, that moves the held rows by ``gaps`` (k,)."""
         Q, R, order = self._factor
-        return np.asarray(Q @ la.solve_triangular(R, gaps[order], trans=1, check_finite=False))
+        count = len(self.held) - len(self.slopes)
+        fixed = self.equalities.meeting(gaps[:count])
+        left = gaps[count:] - self.rows @ fixed
+        y = Q @ la.solve_triangular(R, left[order], trans=1, check_finite=False)
+        return np.asarray(fixed + self.equalities.null @ _back(self.root, y))
 
 
 def active_set_step(
@@ -101,18 +108,15 @@ def active_set_step(
     if curved:  # bounds that will be met lend their curvature, which changes nothing where they are
         met = np.flatnonzero(side)
         goal = np.where(side > 0, high, low)[met] - jacobian[met] @ fixed
-        push = jacobian[met] @ Z
+        push = (jacobian[met] @ Z).toarray()
         weight = _LENT * np.abs(np.diag(reduced)).max()
         slope, reduced = slope - weight * (push.T @ goal), reduced + weight * (push.T @ push)
         L, curved = _root(reduced)
         if curved:
             L = _turned(reduced)
 
-    def moved(y: Array) -> Array:
-        return np.asarray(Z @ la.solve_triangular(L, y, trans=1, lower=True, check_finite=False))
-
     best = -la.solve_triangular(L, slope, lower=True, check_finite=False)
-    least = fixed + moved(best)
+    least = fixed + Z @ _back(L, best)
     move = jacobian @ least
     bounded = np.flatnonzero(~equal)
     known = np.zeros(len(low), dtype=bool)
@@ -124,7 +128,7 @@ def active_set_step(
         if not len(new):
             break
         known[new] = True
-        more = la.solve_triangular(L, (jacobian[new] @ Z).T, lower=True, check_finite=False).T
+        more = la.solve_triangular(L, (jacobian[new] @ Z).T.toarray(), lower=True, check_finite=False).T
         size = np.sqrt(np.einsum("ij,ij->i", more, more))
         largest = max(largest, float(size.max()))
         new, more = new[size > _FREE * largest], more[size > _FREE * largest]
@@ -141,16 +145,22 @@ def active_set_step(
             return None
         lam = info["lam"]
         side[work] = np.sign(np.where(np.abs(lam) > _TRIFLE * np.abs(lam).max(initial=0.0), lam, 0.0))
-        step = least + moved(y)
+        step = least + Z @ _back(L, y)
         new = np.flatnonzero(_beyond(jacobian @ step, low, high) & ~known & ~equal)
     multipliers = np.zeros(len(low))
     multipliers[work] = np.where(side[work] != 0, lam, 0.0)
     left = gradient + H @ step + jacobian.T @ multipliers
     multipliers[same] = -A.multipliers(left)
-    held = np.concatenate([same, work[side[work] != 0]])
-    return (
-        ActiveStep(step, multipliers, held, curved, jacobian[held].toarray(), free) if np.isfinite(step).all() else None
-    )
+    if not np.isfinite(step).all():
+        return None
+    met = side[work] != 0
+    held = np.concatenate([same, work[met]])
+    return ActiveStep(step, multipliers, held, curved, free, A, jacobian[work[met]], L, slopes[met])
+
+
+def _back(L: Array, y: Array) -> Array:
+    """The e with Lᵀ e = y."""
+    return np.asarray(la.solve_triangular(L, y, trans=1, lower=True, check_finite=False))
 
 
 def _shortest(
@@ -189,7 +199,7 @@ class Equalities:
         found = cls(rows[kept])
         others = np.delete(np.arange(len(rows)), kept)
         if found.full and (
-            not len(others) or np.abs(rows[others] @ found.null).max() < _DEPENDENT * np.abs(rows).max()
+            not len(others) or np.abs(sp.csr_matrix(rows[others]) @ found.null).max() < _DEPENDENT * np.abs(rows).max()
         ):
             return found, kept
         R, order = la.qr(rows.T, mode="r", pivoting=True, check_finite=False)
@@ -213,23 +223,23 @@ class Equalities:
         return found
 
     @cached_property
-    def _bound(self) -> Array:
-        """(k, n - k) how the unknowns that are not free follow from those that are."""
-        return -self._solve(self._rest.T, True, 1)
+    def _bound(self) -> sp.csr_matrix:
+        """(k, n - k) how the unknowns that are not free follow from those that are, few from each."""
+        return sp.csr_matrix(-self._solve(self._rest.T, True, 1))
 
     @cached_property
-    def null(self) -> Array:
+    def null(self) -> sp.csr_matrix:
         """Z (n, n - k) with A Z = 0, its columns independent."""
-        found = np.zeros((len(self._order), len(self._rest)))
-        found[self._order[: self._count]] = self._bound
-        found[self._order[self._count :]] = np.eye(len(self._rest))
-        return found
+        bound, free = self._bound.tocoo(), len(self._rest)
+        rows = np.concatenate([self._order[bound.row], self._order[self._count :]])
+        columns, data = np.append(bound.col, np.arange(free)), np.append(bound.data, np.ones(free))
+        return sp.csr_matrix((data, (rows, columns)), shape=(len(self._order), free))
 
     def reduced(self, H: Array) -> Array:
         """Zᵀ H Z of a symmetric H."""
         bound, free = self._order[: self._count], self._order[self._count :]
-        own, mixed = H[np.ix_(bound, bound)], H[np.ix_(bound, free)]
-        half = self._bound.T @ (0.5 * (own @ self._bound) + mixed)
+        turn = self._bound.T.tocsr()
+        half = turn @ (0.5 * (turn @ H[np.ix_(bound, bound)]).T + H[np.ix_(bound, free)])
         return np.asarray(H[np.ix_(free, free)] + half + half.T)
 
     def multipliers(self, pull: Array) -> Array:

@@ -40,7 +40,7 @@ from gaitsmith.synthesis.solution.elastic import Elastic, solve_elastic
 from gaitsmith.synthesis.solution.geometry import out_of_reach
 from gaitsmith.synthesis.solution.held import held_margins, of_all_joints, with_held
 from gaitsmith.synthesis.solution.ipopt import Progress, Solution, solve_ipopt
-from gaitsmith.synthesis.solution.neighbour import near_bounds, rescaled
+from gaitsmith.synthesis.solution.neighbour import alike, near_bounds, rescaled, start_from
 from gaitsmith.synthesis.solution.rate_check import (
     asked_too_fast,
     fastest,
@@ -160,15 +160,15 @@ class Planner:
         Args:
             motion: phases and conditions.
             settings: bounds, order, tolerances.
-            neighbour: result for the same phases with nearby numbers, to start warm from.
+            neighbour: result to start from: warm if it is for the same phases with nearby numbers, else its curves.
             start: unknowns to start cold from; the default start if None.
             report: called at every iteration with the round and the progress.
 
         Raises:
             BadInput: the ZMP margin leaves nothing of the sole, or a line sole turns about its end.
         """
-        if self.suited(motion) is not self:
-            return self.suited(motion).plan(motion, settings, neighbour, start, report)
+        if (suited := self.suited(motion)) is not self:
+            return suited.plan(motion, settings, neighbour, start, report)
         settings = (settings or Settings()).sized(self.biped, motion.transfer, motion.lift)
         check_margin(self.biped, settings.bounds)
         check_roots(self.biped, motion, settings.order)
@@ -180,13 +180,15 @@ class Planner:
         if result.reason:
             times |= {"setup": time.perf_counter() - begin, "compile": 0.0}
             return result
-        self._compile_s = 0.0
-        base, usual = trans.points(), default_start(trans) if start is None else start
-        if neighbour is not None and len(neighbour.x) == trans.size:
+        self._compile_s, base = 0.0, trans.points()
+        usual = default_start(trans) if start is None else start
+        imposed, x, found = list[ImposedBound](), usual, None
+        if neighbour is not None and neighbour.gait is not None and not alike(neighbour.gait.motion, motion):
+            x = start_from(trans, usual, neighbour.gait, neighbour.x)
+        elif neighbour is not None and len(neighbour.x) == trans.size:
             imposed = rescaled(neighbour.imposed, neighbour.borders, motion.borders)
             x, found = neighbour.x, neighbour.solution
-        else:
-            imposed, x, found = every_bound(trans, base, SELDOM), usual, None
+        imposed = imposed or every_bound(trans, base, SELDOM)
         examined, rough = False, True  # until bounds are exceeded by little
         times["setup"] += time.perf_counter() - begin
         while True:
@@ -268,8 +270,8 @@ class Planner:
         times["check"] += time.perf_counter() - clock
         result = replace(result, worst=worst, imposed=imposed, solution=found, default_rate=relaxation.replaced)
         if held and max(item.violation for item in held.values()) > 0.0:
-            reason = f"{ranked(held)[0]}, held; free it, or change its home"
-            return replace(result, status="not certified", reason=reason)
+            text = f"{ranked(held)[0]}, held; free it, or change its home"
+            return replace(result, status="not certified", reason=text)
         if settings.order > 4 and max(item.violation for item in steep.values()) > 0.0:
             return replace(result, status="not certified", reason=str(ranked(steep)[0]))
         return replace(result, status="solved", gait=gait)
@@ -323,10 +325,8 @@ class Planner:
 
     def _gait(self, trans: Transcription, checks: list[BoundCheck], result: PlanResult) -> Gait:
         """The gait in the robot's own order and world axes."""
-        robot, settings = self.biped.robot, trans.settings
-        pieces = [
-            finished_pieces(trans, self.functions, result.x, phase, item.pieces) for phase, item in enumerate(checks)
-        ]
+        robot, settings, x = self.biped.robot, trans.settings, result.x
+        pieces = [finished_pieces(trans, self.functions, x, k, item.pieces) for k, item in enumerate(checks)]
         pieces = with_held(trans.biped, trans.motion, pieces)
         status = "" if result.solution is None else result.solution.status
         solver: dict[str, Any] = {"name": "SQP, IPOPT", "status": status}
@@ -343,7 +343,7 @@ class Planner:
             solver=solver,
             certificate={
                 "dense_points": settings.dense,
-                "objective": objective_of(trans, result.x, pieces),
+                "objective": objective_of(trans, x, pieces),
                 "wrench_weight": settings.wrench_weight,
                 "effort_weights": dict(settings.effort_weights),
             },

@@ -20,6 +20,7 @@ _SETTLED = 1e-7
 _SETTLING = 12  # steps of that
 _FAR = 0.03  # violation from which the curvature of what is violated says nothing: the steps are convex ones
 _PROXIMAL = 1e-2  # curvature added per unknown: directions that cost nothing are not worth a long step
+_LONG = 0.05  # change from near a solution that only a curvature of nearly nothing asks for: a convex step again
 _STEP = 1.0  # largest change of an unknown in one step
 
 
@@ -63,6 +64,10 @@ def solve_sqp(
         far = violation > _FAR
         H = derivatives.curvature(x, 0.0 if far else 1.0, 0.0 if far else lam, _PROXIMAL)
         found = active_set_step(H, gradient, jacobian, *bounds, lam, independent, far)
+        near = not (far or rough) and last is not None
+        if near and found is not None and np.abs(found.step).max() > _LONG:
+            H = derivatives.curvature(x, 0.0, 0.0, _PROXIMAL)
+            found = active_set_step(H, gradient, jacobian, *bounds, lam, independent, far)
         if found is None:
             status = "Quadratic_Program_Failed"
             break
