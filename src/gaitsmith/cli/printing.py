@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
-from typing import NoReturn
+from collections.abc import Iterable, Sequence
+from typing import Literal, NoReturn
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderableType
+from rich.measure import Measurement
 from rich.segment import Segment
 from rich.table import Table as RichTable
 
 from gaitsmith.cli.dispatch import Styled, Table, printable
 
 _WIDE = 140  # columns when the output is no terminal
+_FREE = 100_000  # columns of a table that nothing narrows
 
 
 class Printer(Console):
@@ -36,13 +38,31 @@ class Printer(Console):
 
 
 def print_rich(item: Table | Styled) -> None:
-    """Print a table or a styled line on stdout."""
+    """Print a table or a styled line on stdout.
+
+    What is wider than the terminal goes below, under the first column once more: no number is cut.
+    """
+    printer = Printer()
     if isinstance(item, Styled):
-        Printer().print(item.line, style=item.style, soft_wrap=True)
+        printer.print(item.line, style=item.style, soft_wrap=True)
         return
-    made = RichTable(box=SIMPLE_HEAD, title=item.title or None, title_justify="left")
-    for index, heading in enumerate(item.headings):
-        made.add_column(heading, justify="left" if index in item.left else "right")
-    for row in item.rows:
-        made.add_row(*row, style="red" if row[0] in item.red else None)
-    Printer().print(made)
+    rows, parts, free = list(item.rows), [[0]], printer.options.update(max_width=_FREE)
+    for index in range(1, len(item.headings)):
+        wider = _made(item, rows, [*parts[-1], index])
+        if len(parts[-1]) > 1 and Measurement.get(printer, free, wider).maximum > printer.width:
+            parts.append([0, index])
+        else:
+            parts[-1].append(index)
+    for number, part in enumerate(parts):
+        printer.print(_made(item, rows, part, "" if number else item.title))
+
+
+def _made(item: Table, rows: Sequence[Sequence[str]], columns: Sequence[int], title: str = "") -> RichTable:
+    """Some columns of a table."""
+    made = RichTable(box=SIMPLE_HEAD, title=title or None, title_justify="left")
+    for index in columns:
+        justify: Literal["left", "right"] = "left" if index in item.left else "right"
+        made.add_column(item.headings[index], justify=justify, overflow="fold")
+    for row in rows:
+        made.add_row(*(row[index] for index in columns), style="red" if row[0] in item.red else None)
+    return made
