@@ -109,12 +109,43 @@ def test_one_that_stops_answering_is_named_and_the_joints_are_braked(monkeypatch
         ({"torque": [1.0]}, "answered without 8 finite torques"),
         ({"torque": ["1"] * 8}, "answered without 8 finite torques"),
         ({"torque": [1e999] * 8}, "answered without 8 finite torques"),
+        ({"torque": [10**400] * 8}, "answered without 8 finite torques"),
         ({"step": [0.0]}, "answered without a step of 4 finite numbers"),
+        ({"step": [3, -7, 0.1, 0.4]}, "answered with a step that is none"),
+        ({"step": [3.5, 0, 0.1, 0.4]}, "answered with a step that is none"),
     ],
 )
 def test_nonsense_is_named(change, said):
     summary = _fails(lambda good: {**good, **change})
     assert [entry.type for entry in summary.faults if entry.component == "controller"] == [said]
+
+
+def test_one_that_cannot_begin_is_one_line_before_the_run():
+    for make, name in ((ours, ""), (lambda _: lambda _: {"torque": []}, "tested")):
+        with served(make, name) as address, pytest.raises(BadInput) as caught:
+            run_episode(make_scenario({"controller": address}), robot=robot(), record=False)
+        assert (caught.value.field, caught.value.value) == ("controller", address)
+
+
+def test_an_answer_that_drips_is_late():
+    over = Event()
+
+    def drip(listening):
+        end, _ = listening.accept()
+        with end:
+            while not over.wait(0.02):
+                end.sendall(b" ")
+
+    with socket.create_server((remote.HOST, 0)) as listening:
+        listening.settimeout(5.0)
+        thread = Thread(target=drip, args=(listening,), daemon=True)
+        thread.start()
+        try:
+            with pytest.raises(remote._Failed, match=r"did not answer within 0\.2 s"):
+                remote.Line(listening.getsockname()[1]).ask({}, 0.2)
+        finally:
+            over.set()
+            thread.join(5.0)
 
 
 def test_torques_stay_within_their_limits():

@@ -110,9 +110,7 @@ class Simulation:
             check_soles(self.robot)
         check_scenario(scenario, self.robot)
         self._gait = first_gait(scenario, self.robot)
-        self.controller = controller or controller_of(
-            scenario, self.robot, self._gait, lambda why: self._reactions.add("controller", why, DAMPED)
-        )
+        self.controller = controller or controller_of(scenario, self.robot, self._gait)
         state = "estimated" if self.controller.estimated else "true"
         if state != scenario.state:
             remedy = "make both alike: the scenario says what the plant's sensors give"
@@ -154,6 +152,8 @@ class Simulation:
         told = self._tell if scenario.gait else None
         self._tracked = Tracked(self.plan, self.controller, self.plant, told) if self.plan is not None else None
         self._reactions = Reactions(self.columns, self.controller.estimated, step, self._tell)
+        if isinstance(self.controller, RemoteController):
+            self.controller.stopped = lambda why: self._reactions.add("controller", why, DAMPED)
         self._strides = Strides(self.columns, self._monitor.prefix, scenario, step, self.robot, self._commanded)
         tour = scenario.tour
         self._guide = Guide(tour, self.plant, self.controller, scenario.walk_from) if tour is not None else None

@@ -45,16 +45,14 @@ def scenario_orders(scenario: Scenario) -> list[tuple[float, Order]]:
     return orders
 
 
-def controller_of(scenario: Scenario, robot: Robot, gait: GaitParameters, stopped: Callable[[str], None]) -> Controller:
+def controller_of(scenario: Scenario, robot: Robot, gait: GaitParameters) -> Controller:
     """Who controls the robot: the package's own controller, or another process.
 
     Args:
         scenario: names the preset, what is measured, and the process.
-        stopped: told why, when another process is not asked any more.
     """
     if scenario.controller:
-        port = port_of(scenario.controller)
-        return RemoteController(robot, scenario.preset, scenario.state, gait, port, stopped)
+        return RemoteController(robot, scenario.preset, scenario.state, gait, port_of(scenario.controller))
     return Controller(robot, preset=scenario.preset, state=scenario.state, gait=gait)
 
 

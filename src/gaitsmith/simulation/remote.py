@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import socket
+import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -61,10 +62,14 @@ class Line:
         Raises:
             _Failed: none came in time, or not one object of JSON.
         """
+        if self._rest:
+            raise _Failed("answered more than once")
+        until = time.monotonic() + patience
         try:
             self._socket.settimeout(patience)
             self._socket.sendall(json.dumps(message, separators=(",", ":"), allow_nan=False).encode() + b"\n")
             while b"\n" not in self._rest:
+                self._socket.settimeout(max(until - time.monotonic(), 1e-6))
                 received = self._socket.recv(65536)
                 if not received:
                     raise _Failed("closed the connection")
@@ -131,10 +136,10 @@ class RemoteController(Controller):
         preset: whose limits apply.
         state: what is measured: ``true``, or ``estimated`` by sensors.
         port: of this machine, where the process listens.
-        stopped: told why, when the process is not asked any more.
 
     Attributes:
         failed: why the process is not asked any more; empty while it is.
+        stopped: told why, when the process is not asked any more; refuses one that cannot even begin.
 
     Raises:
         BadInput: nobody listens there, or as :class:`gaitsmith.control.Controller`.
@@ -147,9 +152,9 @@ class RemoteController(Controller):
         state: Any,
         gait: GaitParameters | None,
         port: int,
-        stopped: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self._line, self._stopped, self.failed = Line(port), stopped, ""
+        self._line, self._port, self.failed = Line(port), port, ""
+        self.stopped: Callable[[str], None] = self._refuse
         self._walk, self._greeted, self._angles = False, False, dict[str, float]()
         super().__init__(robot, preset, state, gait)
         self._limit = np.asarray(robot.torque_limit)
@@ -188,7 +193,7 @@ class RemoteController(Controller):
             torque, step = self._answer()
         except _Failed as error:
             self.failed = str(error)
-            self._stopped(self.failed)
+            self.stopped(self.failed)
             return braking
         told = self.telemetry
         walking = self._walk and step[0] > 0.0
@@ -205,8 +210,8 @@ class RemoteController(Controller):
             _named(self._line.ask({"hello": self._greeting()}, FIRST))
             self._greeted = True
         told = {name: _numbers(array) for name, array in zip(Measurement._fields, self.measurement, strict=True)}
-        time, gait = float(self.telemetry.time[0]), self.gait.model_dump(mode="json")
-        message = {"time": time, "walk": self._walk, "command": gait, "posture": self._angles, **told}
+        now, gait = float(self.telemetry.time[0]), self.gait.model_dump(mode="json")
+        message = {"time": now, "walk": self._walk, "command": gait, "posture": self._angles, **told}
         answer = self._line.ask(message, PATIENCE)
         torque = _array(answer.get("torque"), len(self._limit))
         step = _array(answer.get("step", [0, len(self.robot.legs), 0, 0]), _STEP)
@@ -214,7 +219,14 @@ class RemoteController(Controller):
             raise _Failed(f"answered without {len(self._limit)} finite torques")
         if step is None:
             raise _Failed(f"answered without a step of {_STEP} finite numbers")
+        if min(step) < 0.0 or step[0] % 1.0 or step[1] not in range(len(self.robot.legs) + 1):
+            raise _Failed("answered with a step that is none")
         return torque.clip(-self._limit, self._limit), step.tolist()
+
+    def _refuse(self, why: str) -> None:
+        self.close()
+        valid = "a controller that answers as docs/crash.md says"
+        raise BadInput("controller", f"socket:{self._port}", valid, f"it {why}")
 
     def _greeting(self) -> dict[str, Any]:
         return {
@@ -237,6 +249,10 @@ def _array(given: Any, size: int) -> npt.NDArray[np.float64] | None:
     """(size,) finite numbers, or None."""
     if not isinstance(given, list) or len(given) != size:
         return None
-    if not all(type(value) in (int, float) and math.isfinite(value) for value in given):
+    if not all(type(value) in (int, float) for value in given):
         return None
-    return np.array(given, dtype=np.float64)
+    try:
+        found = np.array([float(value) for value in given])
+    except OverflowError:  # a whole number of too many digits
+        return None
+    return found if np.isfinite(found).all() else None
