@@ -16,6 +16,8 @@ import pytest
 from gaitsmith.cli import dispatch, main
 from gaitsmith.cli.dispatch import Command, Outcome, Table
 from gaitsmith.errors import BadInput, CacheRefused
+from gaitsmith.robots import load_robot
+from gaitsmith.synthesis import Planner
 
 LEAVES = sorted(dispatch.COMMANDS)
 
@@ -190,6 +192,7 @@ def test_help_loads_no_engine() -> None:
 
 
 def test_planning_loads_nothing_that_it_does_not_use() -> None:
+    assert Planner(load_robot("thbip_ii")).functions.compiled  # compiling them takes numba
     others = {"numba", "matplotlib", "mcap", "numpy.f2py", "numpy.f2py.f2py2e", "numpy.testing", "unittest", "trimesh"}
     assert _loaded("main(['plan', 'cyclic', '--max-iterations', '1'])", others | {"scipy.linalg"}) == ["scipy.linalg"]
 

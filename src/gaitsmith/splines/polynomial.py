@@ -5,7 +5,7 @@ A section's time is normalised: s runs from 0 to 1.
 
 from __future__ import annotations
 
-from math import comb
+from math import comb, perm
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +26,12 @@ _HERMITE = np.array(
 
 def power_basis(degree: int, t: npt.ArrayLike, derivative: int = 0) -> Array:
     """(degree + 1, ...) powers of ``t`` from t⁰ on, or their derivatives with respect to it."""
-    power = np.arange(degree + 1)
-    factor = np.prod([power - k for k in range(derivative)], axis=0) * np.ones(degree + 1)
-    shape = (-1,) + (1,) * np.ndim(t)
-    return np.asarray(factor.reshape(shape) * np.asarray(t) ** np.maximum(power - derivative, 0).reshape(shape))
+    at = np.asarray(t, dtype=np.float64)
+    found, power = np.zeros((degree + 1, *at.shape)), np.ones_like(at)
+    for k in range(derivative, degree + 1):
+        found[k] = perm(k, derivative) * power
+        power = power * at
+    return found
 
 
 def polynomial(coefficients: Array, s: Array, span: float) -> Array:

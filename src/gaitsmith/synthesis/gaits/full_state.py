@@ -94,13 +94,13 @@ class StateFinder:
         mujoco.mj_comPos(model, data)
         J, moved = self._jacobian, self._rate
         mujoco.mj_jacSite(model, data, J[:3], J[3:], site)
-        still = -np.linalg.inv(J[:, :6])
-        data.qvel[:6] = still @ (J[:, 6:] @ v - spin)
+        qvel, arm, axes = data.qvel, J[:3, 3:6], J[3:, 3:6]
+        qvel[:6] = _base(arm, axes, spin - J[:, 6:] @ v)
         mujoco.mj_comVel(model, data)
         body = int(model.site_bodyid[site])
         mujoco.mj_jacDot(model, data, moved[:3], moved[3:], data.site_xpos[site], body)
         data.qacc[6:] = a
-        data.qacc[:6] = still @ (J[:, 6:] @ a + moved @ data.qvel - bend)
+        data.qacc[:6] = _base(arm, axes, bend - J[:, 6:] @ a - moved @ qvel)
         return FullState(data.qpos.copy(), data.qvel.copy(), data.qacc.copy())
 
     def foot(self, side: str, point: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
@@ -123,6 +123,10 @@ class StateFinder:
         speed = J @ data.qvel
         pull = J @ data.qacc + rate @ data.qvel
         return place, speed[:3], pull[:3], rotation, speed[3:], pull[3:]
+
+    def body(self, number: int) -> tuple[Array, Array]:
+        """A body's place (3,), m, and rotation (3, 3), world, in the state that :meth:`find` left."""
+        return self.data.xpos[number].copy(), self.data.xmat[number].reshape(3, 3).copy()
 
     def residual(self, torque: Array, wrench: Array) -> Array:
         """(nv,) inverse dynamics minus joint torques and contact wrenches, in the state that :meth:`find` left.
@@ -155,6 +159,18 @@ class StateFinder:
         """(3,) of the centre of mass, world, m/s, in the state that :meth:`find` left."""
         mujoco.mj_subtreeVel(self.model, self.data)
         return np.array(self.data.subtree_linvel[0])
+
+
+def _base(arm: Array, axes: Array, wanted: Array) -> Array:
+    """(6,) the base's motion that moves a point of the robot as ``wanted``, translation first, its joints at rest.
+
+    Args:
+        arm: (3, 3) of the point's Jacobian, its translation by the base's rotation about its own axes.
+        axes: (3, 3) these axes.
+        wanted: (6,) world axes.
+    """
+    spin = axes.T @ wanted[3:]
+    return np.concatenate([wanted[:3] - arm @ spin, spin])
 
 
 def turned(angle: Array, rate: Array, pull: Array) -> tuple[Array, Array, Array]:

@@ -167,12 +167,12 @@ def objective(gait: Gait, biped: Biped, finder: StateFinder, weight: float, join
     few, parts = np.polynomial.legendre.leggauss(_FEW)
     total = 0.0
     for index, group in enumerate(gait.pieces):
-        phase = gait.motion.phases[index]
-        for piece in group:
+        loads = np.zeros((len(group), _FEW))
+        if gait.motion.phases[index].double:
+            times = np.concatenate([piece.start + 0.5 * (few + 1.0) * piece.duration for piece in group])
+            numbers = measure(gait, biped, finder, index, times, Errors())
+            loads = np.sum(np.concatenate([numbers.push, numbers.turn]) ** 2, axis=0).reshape(loads.shape)
+        for piece, load in zip(group, loads, strict=True):
             effort = shares @ (joints @ chebyshev(piece.torque, 0.5 * (nodes + 1.0)) ** 2)
-            if phase.double:
-                times = piece.start + 0.5 * (few + 1.0) * piece.duration
-                numbers = measure(gait, biped, finder, index, times, Errors())
-                effort += weight * parts @ np.sum(np.concatenate([numbers.push, numbers.turn]) ** 2, axis=0)
-            total += 0.5 * piece.duration * float(effort)
+            total += 0.5 * piece.duration * float(effort + weight * parts @ load)
     return total

@@ -17,6 +17,7 @@ from gaitsmith.synthesis.proof.quantities import Measured, about_toe, along_sole
 
 Array = npt.NDArray[np.float64]
 CLOSURE = ("position_mm", "velocity", "acceleration")
+_Foot = tuple[Array, ...]  # as StateFinder.foot gives it
 
 
 @dataclass(eq=False)
@@ -61,39 +62,32 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     root = gait.roots(index, times)
     torque, wrench = gait.torques(index, times), gait.wrenches(index, times)
     support, other = (wrench[6:], wrench[:6]) if phase.support == "right" else (wrench[:6], wrench[6:])
-    count, pivot = len(times), biped.pivot(phase)
+    pivot = biped.pivot(phase)
     toe = np.array([(x, y, 0.0) for x, y in biped.corners("toe", phase.support)]).T if phase.tips else None
-    vectors, matrices = ("pivot", "ankle", "ankle_velocity", "own", "body"), ("rotation", "torso", "level")
-    rows: dict[str, Any] = {"hip": np.zeros(count)}
-    centre = np.zeros((2, 3, count))
-    rows |= {name: np.zeros((3, count)) for name in vectors} | {name: np.zeros((3, 3, count)) for name in matrices}
     leg, robot = biped.leg(phase.other_foot), biped.robot
     heel = -leg.sole_rotation.T @ leg.sole_position
     if phase.double:
         assert phase.other is not None
         corners = np.array([(x, y, 0.0) for x, y in biped.corners(phase.contact, phase.other_foot)]).T
         goals = about_vertical(phase.other_heading) @ corners + np.array([*phase.other, phase.other_height])[:, None]
-    feet, bearing = list[tuple[Array, ...]](), list[tuple[Array, ...]]()
-    for k in range(count):
-        finder.find(phase.support, phase.stand, q[:, k], v[:, k], a[:, k], root[..., k])
-        foot = finder.foot(phase.other_foot, heel)
-        feet.append(foot)
-        rows["ankle"][:, k], rows["ankle_velocity"][:, k], _, rotation, *_ = foot
-        rows["pivot"][:, k], rows["rotation"][..., k] = foot[0] + rotation @ (pivot - heel), rotation
-        own = finder.foot(phase.support, np.zeros(3))
-        bearing.append(own)
-        rows["own"][:, k], rows["level"][..., k] = own[0], own[3]
-        torso = finder.data.xmat[robot.torso_body].reshape(3, 3)
-        rows["torso"][..., k] = torso
-        rows["body"][:, k] = finder.data.xpos[robot.torso_body]
-        centre[..., k] = finder.centre_of_mass(), finder.centre_velocity()
-        rows["hip"][k] = (finder.data.xpos[robot.torso_body] + torso @ robot.hip_midpoint)[2] - phase.height
-        residual = np.abs(finder.residual(torque[:, k], wrench[:, k])).max() / biped.weight
-        errors.residual = larger(errors.residual, residual)
+    feet, bearing, trunk, left = list[_Foot](), list[_Foot](), list[_Foot](), list[Array]()
+    for k, state in enumerate(zip(q.T, v.T, a.T, np.moveaxis(root, -1, 0), strict=True)):
+        finder.find(phase.support, phase.stand, *state)
+        feet.append(finder.foot(phase.other_foot, heel))
+        bearing.append(finder.foot(phase.support, np.zeros(3)))
+        trunk.append((*finder.body(robot.torso_body), finder.centre_of_mass(), finder.centre_velocity()))
+        left.append(finder.residual(torque[:, k], wrench[:, k]))
+    errors.residual = larger(errors.residual, np.abs(left).max(initial=0.0) / biped.weight)
+    ankle, swing, _, rotation, *_ = moved = _stacked(feet)
+    own, _, _, level, *_ = stood = _stacked(bearing)
+    body, torso, *centre = _stacked(trunk)
+    rows: dict[str, Any] = {"ankle": ankle, "ankle_velocity": swing, "rotation": rotation, "own": own, "level": level}
+    rows |= {"pivot": ankle + np.einsum("ijn,j->in", rotation, pivot - heel), "body": body, "torso": torso}
+    rows["hip"] = body[2] + np.einsum("jn,j->n", torso[2], robot.hip_midpoint) - phase.height
     if toe is not None:
-        _closure(errors, toe, toe + np.array(phase.stand)[:, None], bearing)
+        _closure(errors, toe, toe + np.array(phase.stand)[:, None], stood)
     if phase.double:
-        _closure(errors, corners - heel[:, None], goals, feet)
+        _closure(errors, corners - heel[:, None], goals, moved)
     rows["turn"] = other[3:] - _cross(np.einsum("ijn,j->in", rows["rotation"], pivot), other[:3])
     if not phase.double:
         lifted = np.abs(wrench if phase.flies else other).max(initial=0.0)
@@ -125,18 +119,23 @@ def measure(gait: Gait, biped: Biped, finder: StateFinder, index: int, times: Ar
     return found
 
 
-def _closure(errors: Errors, points: Array, goals: Array, feet: list[tuple[Array, ...]]) -> None:
+def _stacked(feet: list[_Foot]) -> list[Array]:
+    """(3, N) and (3, 3, N) of what was found at N instants."""
+    return [np.ascontiguousarray(np.moveaxis(np.array(values), 0, -1)) for values in zip(*feet, strict=True)]
+
+
+def _closure(errors: Errors, points: Array, goals: Array, feet: list[Array]) -> None:
     """Errors of the contact points of the other foot: they must stay where they are.
 
     Args:
         errors: so far.
         points: (3, n) from the point whose motion is known, sole's frame, m.
         goals: (3, n) where they must be, world, m.
-        feet: at every instant, motion of that point and of the sole, as :meth:`StateFinder.foot` gives it.
+        feet: motion of that point and of the sole, as :meth:`StateFinder.foot` gives it, at all instants.
     """
-    place, speed, pull, rotation, spin, turn = (np.array(values) for values in zip(*feet, strict=True))
-    place, speed, pull, spin, turn = (values.T[:, :, None] for values in (place, speed, pull, spin, turn))
-    arm = np.einsum("kij,jn->ikn", rotation, points)
+    place, speed, pull, rotation, spin, turn = feet
+    place, speed, pull, spin, turn = (values[:, :, None] for values in (place, speed, pull, spin, turn))
+    arm = np.einsum("ijk,jn->ikn", rotation, points)
     swing = _cross(spin, arm)
     found = (1e3 * (place + arm - goals[:, None]), speed + swing, pull + _cross(turn, arm) + _cross(spin, swing))
     for name, error in zip(CLOSURE, found, strict=True):
