@@ -49,15 +49,22 @@ def test_what_cannot_fail_is_one_line(tmp_path, fields, flag):
 
 
 def test_a_fall_of_known_cause_is_named_confirmed_and_kept(tmp_path):
-    options = FallOptions(falls=1, kind=("fault",), out=str(tmp_path))
+    options = FallOptions(falls=1, kind=("motor",), out=str(tmp_path))
     result = run_falls(options)
     (entry,) = result.document["falls"]
-    assert (entry["kind"], entry["named"], entry["confirmed"]) == ("fault", "fault", True)
+    assert (entry["kind"], entry["named"], entry["confirmed"]) == ("motor", "fault", True)
     kept = (tmp_path / "falls.jsonl").read_text()
     assert run_falls(options).document == result.document
     assert (tmp_path / "falls.jsonl").read_text() == kept
     with pytest.raises(BadInput, match="one of " + ", ".join(KNOWN)):
         run_falls(FallOptions(kind=("moon",), out=str(tmp_path)))
+
+
+@pytest.mark.parametrize("kind", ["torque_limit", "swing_lag", "noise", "speed_limit"])
+def test_what_lies_in_the_robot_is_named_too(tmp_path, kind):
+    """Weak motors, a leg that follows softly, loud sensors, joints that are slow: not the walk that shows it."""
+    (entry,) = run_falls(FallOptions(falls=1, kind=(kind,), out=str(tmp_path))).document["falls"]
+    assert (entry["right"], entry["confirmed"]) == (True, True)
 
 
 def test_lines_that_are_damaged_are_passed_over(tmp_path):

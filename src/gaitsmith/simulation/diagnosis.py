@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from gaitsmith.simulation.limits import MISTAKEN
 from gaitsmith.simulation.reactions import Reaction
 from gaitsmith.simulation.scenario import Scenario
+from gaitsmith.simulation.sensors import SensorNoise
 from gaitsmith.simulation.terrain import SLOPE_START, parse_terrain
 
 if TYPE_CHECKING:
@@ -19,10 +20,11 @@ if TYPE_CHECKING:
     from gaitsmith.robots import Robot
 
 _BEFORE = 0.6  # s before the first limit in which a disturbance counts as its cause
-_WEAK = 0.1  # m√(gH)
+_WEAK, _FAST = 0.1, 0.3  # m√(gH), √(gH): pushes below, and speeds up to which, any walk withstands
 _AFTER_PUSH = 3.0  # s for which a push may be felt
 _NOT_READ = ("balance", "controller")  # of what reactions are about
 _NEAR = 0.4  # m before a slope at which a foot may already stand on it
+_NOISY = 3.0  # times the usual noise
 _USUAL_FRICTION, _SMALL_DELAY, _SMALL_MASS = 0.6, 1.5e-3, 0.03
 OWN_LIMITS = {
     "torque of": "torque",
@@ -35,6 +37,7 @@ OWN_LIMITS = {
     "joint limit": "position",
     "ZMP": "zmp",
     "friction limit": "slip",
+    "sole slipping": "slip",
     "whole-body QP": "qp",
     "ended by the clock": "clock",
 }
@@ -55,7 +58,7 @@ def suspects(
     reactions: Sequence[Reaction],
     place: float,
     fell: float,
-    weak: float = 0.0,
+    robot: Robot | None = None,
 ) -> list[Suspect]:
     """What may have caused a fall, the likeliest first.
 
@@ -66,12 +69,15 @@ def suspects(
         reactions: of the controller.
         place: x of the torso when it was upright last, m.
         fell: s.
-        weak: impulse below which a push is less likely than uneven ground or a plant that differs, N·s.
+        robot: whose size says which pushes are less likely than uneven ground or a plant that differs, and which
+            commands less likely than a limit; None: none are.
     """
+    weak, fast = (0.0, 0.0) if robot is None else (_WEAK * robot.mass * _speed_unit(robot), _FAST * _speed_unit(robot))
     onset = min([when for _, when in hits], default=fell)
     stopped = [Suspect("controller", f"the controller {e.type}") for e in reactions if e.component == "controller"]
     pushed = [_pushed(scenario, pushes, onset, fell, *span) for span in ((weak, math.inf), (0.0, weak))]
     found = [*stopped, *_failed(scenario, onset, fell), *pushed[0]]
+    found += _noise(scenario)
     slips = [(name, when) for name, when in hits if "slipping" in name]
     slippery = scenario.friction < _USUAL_FRICTION or scenario.terrain.startswith("ice")
     believed = _believed(scenario, hits, reactions, onset, fell)
@@ -84,13 +90,13 @@ def suspects(
     found += [*_plant(scenario), *pushed[1]]
     if slippery and not slips:
         found.append(_friction(scenario, slips))
-    if slips and not slippery:
-        found.append(Suspect("friction", f"{slips[0][0]} at {slips[0][1]:.3f} s"))
     if not believed:
         found += _noticed(scenario, reactions, onset, fell)
     if scenario.state == "estimated" and not believed:
         found.append(Suspect("estimated", "state estimated from noisy sensors"))
-    found += [*_commanded(scenario, fell), *_limits(hits)]
+    commanded, asks = _commanded(scenario, fell, fast)
+    limits = _limits([hit for hit in hits if not slippery or "slipping" not in hit[0]])
+    found += [*commanded, *limits] if asks else [*limits, *commanded]
     return found or [Suspect("none", "nothing that is known")]
 
 
@@ -128,10 +134,9 @@ def _believed(
     return sorted([entry for entry in wrong if entry[1] <= fell - _BEFORE], key=lambda entry: entry[1])
 
 
-def weak_push(robot: Robot) -> float:
-    """Impulse that a walk on level ground withstands with ease, N·s; 0.1 m√(gH)."""
-    gravity = -float(robot.model.opt.gravity[2])
-    return _WEAK * robot.mass * math.sqrt(gravity * robot.card.gait.height)
+def _speed_unit(robot: Robot) -> float:
+    """√(gH), m/s."""
+    return math.sqrt(-float(robot.model.opt.gravity[2]) * robot.card.gait.height)
 
 
 def _pushed(
@@ -152,6 +157,15 @@ def _friction(scenario: Scenario, slips: Sequence[tuple[str, float]]) -> Suspect
     return Suspect(
         "friction", f"slippery ground, {ground}" + (f": {slips[0][0]} at {slips[0][1]:.3f} s" if slips else "")
     )
+
+
+def _noise(scenario: Scenario) -> list[Suspect]:
+    """Sensors that are far noisier than the usual ones: what is estimated from them, and blamed in them, follows."""
+    given, usual = scenario.sensors.model_dump(), SensorNoise().model_dump()
+    loud = {name: value for name, value in given.items() if value > _NOISY * usual[name]}
+    if scenario.state != "estimated" or not loud:
+        return []
+    return [Suspect("noise", "sensor noise: " + ", ".join(f"{name} {value:g}" for name, value in loud.items()))]
 
 
 def _ground(scenario: Scenario, place: float) -> list[Suspect]:
@@ -182,14 +196,16 @@ def _plant(scenario: Scenario) -> list[Suspect]:
     return found
 
 
-def _commanded(scenario: Scenario, fell: float) -> list[Suspect]:
-    """What was commanded besides the card's gait, the latest first."""
+def _commanded(scenario: Scenario, fell: float, fast: float) -> tuple[list[Suspect], bool]:
+    """What was commanded besides the card's gait; whether it asks for much, more than a speed below ``fast``, m/s."""
     given = [(0.0, scenario.given()), *((change.time, change.given()) for change in scenario.changes)]
     latest: dict[str, object] = {}
     for when, inputs in given:
         latest |= inputs if when <= fell else {}
     words = ", ".join(f"{name} {_shown(value)}" for name, value in latest.items())
-    return [Suspect("command", f"commanded gait: {words}")] if words else []
+    speed = latest.get("speed", (0.0, 0.0))
+    asks = latest.keys() != {"speed"} or (isinstance(speed, tuple) and math.hypot(*speed) >= fast)
+    return [Suspect("command", f"commanded gait: {words}")] if words else [], asks
 
 
 def _shown(value: object) -> str:

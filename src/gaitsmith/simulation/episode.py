@@ -20,7 +20,7 @@ from gaitsmith.log.columns import Columns
 from gaitsmith.log.record import DECIMATION, Log, Recorder, Scratch, new_file, read_back
 from gaitsmith.robots import Robot, load_robot
 from gaitsmith.robots.footing import check_soles
-from gaitsmith.simulation.diagnosis import Suspect, suspects, weak_push
+from gaitsmith.simulation.diagnosis import Suspect, suspects
 from gaitsmith.simulation.disturbances import Disturber
 from gaitsmith.simulation.engines import engine_of
 from gaitsmith.simulation.fall import Fall
@@ -229,7 +229,7 @@ class Simulation:
         hits, pushes = self._monitor.dated_hits(self.time), self._disturber.pushes.started
         began = [None if math.isnan(time) else time for time in pushes]
         place = float(self._monitor.kept.place[0])
-        return suspects(self.scenario, hits, began, self._reactions.found, place, self.time, weak_push(self.robot))
+        return suspects(self.scenario, hits, began, self._reactions.found, place, self.time, self.robot)
 
     @property
     def fall(self) -> Fall | None:

@@ -14,7 +14,7 @@ from gaitsmith.log.columns import Columns
 from gaitsmith.log.mcap_file import ChunkReader
 from gaitsmith.log.mcap_writer import ChunkWriter
 from gaitsmith.robots import load_robot
-from gaitsmith.simulation.diagnosis import suspects, weak_push
+from gaitsmith.simulation.diagnosis import suspects
 from gaitsmith.simulation.monitor import UPRIGHT, Monitor
 from gaitsmith.simulation.reactions import Reactions, with_unnoticed
 from gaitsmith.simulation.report import explain, phase_in_words, refused_readings, sum_up
@@ -106,7 +106,7 @@ def summary_of(path: Path) -> Summary:
     time, fall = float(row[0]), None
     if monitor.state != UPRIGHT:
         place = float(monitor.kept.place[0])
-        listed = suspects(scenario, monitor.dated_hits(time), started, reactions.found, place, time, weak_push(robot))
+        listed = suspects(scenario, monitor.dated_hits(time), started, reactions.found, place, time, robot)
         fall = explain(monitor, time, phase_in_words(seen), refused_readings(seen), listed[0].what)
     changed = robot.content_hash != notes.get("robot_hash")
     return sum_up(
