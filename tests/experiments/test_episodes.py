@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import pytest
 from tests.experiments.made_up import made_up_summary
 from tests.simulation.standing import robot
@@ -82,6 +84,26 @@ def test_a_scenario_that_does_not_fit_is_refused_before_any_runs(tmp_path, ran):
     with pytest.raises(BadInput, match="height"):
         run_all([*SCENARIOS, make_scenario({"duration": 3.0, "height": 2.0})], robot(), Store(tmp_path))
     assert ran == []
+
+
+@pytest.mark.parametrize(("address", "begun"), [("", 4), ("host:1", 12)])
+def test_what_is_needless_by_then_is_not_given_to_a_process(tmp_path, monkeypatch, address, begun):
+    """Two processes have four episodes at hand, a cluster all of them."""
+    scenarios, given, loop = [make_scenario({"seed": seed}) for seed in range(12)], [], module.loop_identity(robot())
+
+    class Crew:
+        def submit(self, key, task, scenario):
+            given.append(scenario)
+
+        def done(self):
+            return "", (scenario := given[done.pop(0)], loop, made_up_summary(seed=scenario.seed))
+
+    done = [*range(12)]
+    monkeypatch.setattr(module, "workers", lambda *_: contextlib.nullcontext(Crew()))
+    monkeypatch.setattr(module, "Simulation", lambda *_, **__: None)
+    enough = {"jobs": 2, "address": address, "needless": lambda scenario, found: len(found) > 0}
+    found = run_all(scenarios, robot(), Store(tmp_path), **enough).found
+    assert len(given) == len(found) == begun
 
 
 def test_no_processes_are_refused(tmp_path):

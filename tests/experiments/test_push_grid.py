@@ -12,9 +12,9 @@ from tests.simulation.standing import robot
 
 from gaitsmith.documents import checked
 from gaitsmith.errors import BadInput
-from gaitsmith.experiments import PushOptions, push_grids
+from gaitsmith.experiments import PushOptions, episodes, push_grids
 from gaitsmith.experiments.episodes import Episodes
-from gaitsmith.experiments.largest import Search, resolution_for
+from gaitsmith.experiments.largest import Search, resolution_for, search_largest
 from gaitsmith.experiments.limits import Limit
 from gaitsmith.experiments.push_grid import (
     SURVIVAL,
@@ -26,7 +26,9 @@ from gaitsmith.experiments.push_grid import (
     survived,
 )
 from gaitsmith.experiments.sets import TrialSet
+from gaitsmith.experiments.store import Store
 from gaitsmith.robots import load_robot
+from gaitsmith.simulation import Episode
 from gaitsmith.simulation.scenario import make_scenario
 
 WALK = make_scenario({"speed": [0.4, 0.0], "height": 0.66, "period": 0.4})
@@ -110,6 +112,24 @@ def test_bisection_finds_the_largest(largest):
     assert search.low[0] <= largest < search.high[0] <= search.low[0] + search.resolution
     assert tries <= 12
     assert search.everywhere == search.low[0]
+
+
+def test_after_one_fall_the_other_phases_are_not_pushed(tmp_path, monkeypatch):
+    """Above 20 N·s the robot falls at the third of four phases."""
+    pushed = []
+
+    def fake(scenario, **_):
+        (push,) = scenario.pushes
+        pushed.append((np.linalg.norm(push.impulse), push.phase))
+        fell = pushed[-1][0] > 20.0 and push.phase == 0.5
+        return Episode(made_up_summary(pushed_at=4.5, fell_at=6.0 if fell else None), None, False)
+
+    monkeypatch.setattr(episodes, "run_episode", fake)
+    grid = replace(GRID, directions=1, phases=4)
+    (search,), interrupted = search_largest([grid], robot(), Store(tmp_path), 1, lambda *_: None, 1.0)
+    assert (search.low, search.high, interrupted) == ([20.0], [21.0], False)
+    tried = {impulse: [phase for size, phase in pushed if size == impulse] for impulse, _ in pushed}
+    assert all(phases == [0.0, 0.25, 0.5, 0.75][: 4 if impulse < 20.5 else 3] for impulse, phases in tried.items())
 
 
 def test_an_interrupted_search_tells_what_it_knows_and_not_more(tmp_path, monkeypatch):

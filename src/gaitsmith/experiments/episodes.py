@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
+from itertools import islice
 from pathlib import Path
 
 from gaitsmith.compiled.cache import source_key
@@ -25,6 +26,7 @@ _LOOP = "gaitsmith.simulation.episode"
 _LARGEST_GAIT = 100_000_000  # bytes
 _Done = tuple[Scenario, str, Summary | None]
 _Source = Generator[_Done, None, None]
+_Asked = Callable[[Scenario], bool]
 
 
 class RobotChanged(GaitsmithError):
@@ -106,6 +108,7 @@ def run_all(
     address: str = "",
     progress: Progress = silent,
     what: str = "episodes",
+    needless: Callable[[Scenario, Mapping[Scenario, Summary]], bool] = lambda scenario, found: False,
 ) -> Episodes:
     """Run every scenario that the store does not hold yet.
 
@@ -115,6 +118,7 @@ def run_all(
         store: asked first; every episode is added as soon as it is finished.
         jobs: processes, each with one thread.
         address: of a Ray cluster instead, whose nodes have the robot's files at the same place.
+        needless: told what is finished: whether a scenario is not of interest any more, and left out.
 
     Raises:
         BadInput: ``jobs`` below 1, or a scenario that does not fit the robot.
@@ -132,7 +136,11 @@ def run_all(
     resumed, interrupted = len(found), False
     progress(resumed, len(wanted), what)
     alone = not address and min(jobs, len(pending)) <= 1
-    source = _here(pending, robot, loop) if alone else _elsewhere(pending, robot, jobs, address)
+
+    def wants(scenario: Scenario) -> bool:
+        return not needless(scenario, found)
+
+    source = _here(pending, wants, robot, loop) if alone else _elsewhere(pending, wants, robot, jobs, address)
     try:
         for scenario, identity, summary in source:
             if summary is None:
@@ -150,9 +158,9 @@ def run_all(
     return Episodes(found, interrupted, resumed)
 
 
-def _here(pending: Sequence[Scenario], robot: Robot, loop: str) -> _Source:
+def _here(pending: Sequence[Scenario], wants: _Asked, robot: Robot, loop: str) -> _Source:
     """Run in this process; Ctrl-C ends the episode, which then has no summary."""
-    for scenario in pending:
+    for scenario in filter(wants, pending):
         episode = run_episode(scenario, robot=robot, record=False)
         yield scenario, loop, None if episode.interrupted else episode.summary
 
@@ -170,14 +178,20 @@ def _remote(scenario: Scenario) -> _Done:
     return scenario, identity, run_episode(scenario, robot=robot, record=False).summary
 
 
-def _elsewhere(pending: Sequence[Scenario], robot: Robot, jobs: int, address: str) -> _Source:
+def _elsewhere(pending: Sequence[Scenario], wants: _Asked, robot: Robot, jobs: int, address: str) -> _Source:
     """Run on ``jobs`` processes, or a cluster, longest first; a process that dies ends the experiment."""
     longest_first = sorted(pending, key=lambda scenario: -scenario.duration)
     if not longest_first:
         return
     Simulation(longest_first[0], robot=robot, record=False)  # compile once, not in every process at the same time
+    ahead = len(pending) if address else 2 * jobs  # given out at a time: of a cluster nobody knows how much it does
     with workers(min(jobs, len(pending)), address) as crew:
-        for number, scenario in enumerate(longest_first):
-            crew.submit(str(number), _remote, scenario)
-        for _ in longest_first:
+        waiting, running = filter(wants, longest_first), 0
+        while True:
+            for scenario in islice(waiting, ahead - running):
+                crew.submit(scenario.robot, _remote, scenario)
+                running += 1
+            if not running:
+                return
+            running -= 1
             yield crew.done()[1]

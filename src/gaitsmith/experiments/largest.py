@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,9 +12,11 @@ from gaitsmith.experiments.push_grid import Cell, PushGrid, momentum_unit, survi
 from gaitsmith.experiments.result import Progress
 from gaitsmith.experiments.store import Store
 from gaitsmith.robots import Robot
+from gaitsmith.simulation import Scenario, Summary
 
 _RESOLUTION = 0.01  # of mass times √(gH), before it is rounded down to 1, 2 or 5 times a power of ten
 _CEILING = 200.0  # resolutions; nothing larger is tried
+_Found = Mapping[Scenario, Summary]
 _GROWTH = 1.5  # from one survived impulse to the next that is tried
 
 
@@ -93,6 +95,16 @@ class Search:
         }
 
 
+def _in_turn(groups: Iterable[Sequence[Scenario]]) -> tuple[list[Scenario], Callable[[Scenario, _Found], bool]]:
+    """First those that each group begins with, and so on; after a fall the rest of its group is not needed."""
+    alike = {scenario: group for group in groups for scenario in group}
+
+    def needless(scenario: Scenario, found: _Found) -> bool:
+        return any(not survived(found[other]) for other in alike[scenario] if other in found)
+
+    return sorted(alike, key=lambda scenario: alike[scenario].index(scenario)), needless
+
+
 def search_largest(
     grids: Sequence[PushGrid],
     robot: Robot,
@@ -129,9 +141,16 @@ def search_largest(
             (k, i): [searches[k].grid.scenario(Cell(i, phase), impulse) for phase in range(searches[k].grid.phases)]
             for (k, i), impulse in tried.items()
         }
-        wanted = [scenario for group in scenarios.values() for scenario in group]
+        wanted, needless = _in_turn(scenarios.values())
         episodes = run_all(
-            wanted, robot, store, jobs=jobs, address=address, progress=progress, what=f"bisecting, round {number}"
+            wanted,
+            robot,
+            store,
+            jobs=jobs,
+            address=address,
+            progress=progress,
+            what=f"bisecting, round {number}",
+            needless=needless,
         )
         for (k, i), impulse in tried.items():
             stood = [survived(episodes.found[scenario]) for scenario in scenarios[k, i] if scenario in episodes.found]
