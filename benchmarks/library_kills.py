@@ -140,7 +140,9 @@ def main() -> None:
             builds["ray"] = lambda out: cluster_build(spec, out, gaits)
         for kind, build in builds.items():
             result[kind] = build(place / kind)
-            result[kind]["same"] = _contents(place / kind) == _contents(whole)
+            one, two = _contents(place / kind), _contents(whole)
+            result[kind]["same"] = one == two
+            result[kind]["differ"] = sorted(name for name in one.keys() | two.keys() if one.get(name) != two.get(name))
     print(json.dumps(result) if options.json else "\n".join(f"{key}: {value}" for key, value in result.items()))
     good = [result[kind]["same"] and not result[kind].get("rewritten") for kind in builds]
     raise SystemExit(0 if all(good) else 1)

@@ -1,9 +1,10 @@
-"""A minute's walk by a library: from rest to its fastest gait, random speeds, rest again, pushed all the time.
+"""A minute's walk by a library: from rest to its fastest gait, random speeds and yaw rates, rest again; pushed.
 
     python benchmarks/library_walk.py LIBRARY [--seeds N ...] [--impulse N·s] [--json]
 
-A new speed is commanded every 9 s; every push has a random direction. The error is that of the mean speed in the last
-2.8 s before the next command: from step to step a speed changes by a limited amount only.
+A new speed (and yaw rate, of a library that has them) is commanded every 9 s; every push has a random direction. The
+error is that of the mean speed along the way in the last 2.8 s before the next command: from step to step a speed
+changes by a limited amount only.
 """
 
 from __future__ import annotations
@@ -43,16 +44,21 @@ def walk(library: str, seed: int, impulse: float) -> dict[str, Any]:
             for t, way in zip(times + 0.3 * STAGE, ways, strict=True)
         ],
     }
+    rates = np.zeros(STAGES)
+    if spec.yaw_rate:
+        rates = rng.uniform(spec.yaw_rate[0], spec.yaw_rate[-1], STAGES).round(3)
+        for change, rate in zip(fields["changes"], rates, strict=False):
+            change["yaw_rate"] = float(rate)
     simulation = Simulation(make_scenario(fields), record=False)
     track = []
     while simulation.step():
-        track.append((simulation.time, float(simulation.plant.com[0])))
-    at, x = np.array(track).T
+        track.append((simulation.time, *simulation.plant.com[:2].tolist()))
+    at, x, y = np.array(track).T
     errors = []
-    for end, speed in zip(times[1:], speeds, strict=True):
+    for end, speed, rate in zip(times[1:], speeds, rates, strict=True):
         if end <= at[-1]:
-            begin, far = np.interp([end - STEADY, end], at, x)
-            errors.append(float((far - begin) / (STEADY * speed) - 1.0))
+            far = np.hypot(*(np.subtract(*np.interp([end, end - STEADY], at, place)) for place in (x, y)))
+            errors.append(float(far / (STEADY * speed * np.sinc(0.5 * rate * STEADY / np.pi)) - 1.0))
     stands = bool(at[-1] > DURATION - 0.01)
     worst = float(np.abs(errors).max(initial=0.0))
     return {"seed": seed, "stands": stands, "time": float(at[-1]), "speeds": speeds.tolist(), "worst_error": worst}

@@ -15,6 +15,8 @@ from typing import Any, BinaryIO
 
 from gaitsmith.errors import BadInput
 
+UNFINISHED = ".part"
+"""How files end that are not whole yet; their names begin with a dot."""
 ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """Signals that ask a run to end: Ctrl-C, the end of a session or of a batch job, a terminal that closes."""
 
@@ -40,8 +42,12 @@ def open_regular(path: str | Path) -> BinaryIO:
     return os.fdopen(handle, "rb")
 
 
-def lock(file: BinaryIO) -> bool:
-    """Lock an open file against other processes until it is closed; False if another one has locked it."""
+def lock(file: BinaryIO | int) -> bool:
+    """Lock an open file, or a folder by its number, against other processes until it is closed.
+
+    Returns:
+        False if another one has locked it.
+    """
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -75,7 +81,7 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
         BadInput: the folder is missing or cannot be written, or :func:`regular_target` refuses the path.
     """
     target = regular_target(path)
-    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}.part")
+    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}{UNFINISHED}")
     try:
         handle = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
         try:

@@ -70,6 +70,22 @@ def test_files_that_were_damaged_are_planned_again(library, tmp_path):
     assert contents(tmp_path) == contents(library.path)
 
 
+def test_what_a_kill_left_half_written_is_cleared_away(library, tmp_path):
+    folder = copied(library, tmp_path)
+    for part in ("points", "warm", "."):
+        (tmp_path / part / ".000-000-000.json.0123456789ab.part").write_bytes(b"{")
+    built = build(checked_spec(SPEC), folder)
+    assert built.resumed == 4
+    assert contents(tmp_path) == contents(library.path)
+
+
+def test_two_builds_are_not_at_work_in_one_folder(library, tmp_path):
+    folder = copied(library, tmp_path)
+    with folder.alone(), pytest.raises(BadInput, match="no other build"):
+        build(checked_spec(SPEC), Folder(tmp_path))
+    assert contents(tmp_path) == contents(library.path)
+
+
 def test_another_grid_does_not_go_into_the_same_folder(library, tmp_path):
     folder = copied(library, tmp_path)
     with pytest.raises(BadInput, match="--out"):
@@ -190,7 +206,7 @@ def test_every_point_starts_from_one_nearer_to_the_middle():
 
 def test_what_a_neighbour_starts_from_comes_back_whole(library):
     for key in ("000-000-000", "start"):
-        content = library.warm(key)
+        _, content = library.left(key)
         assert frozen(thawed(content)) == content
     with pytest.raises(BadInput, match="warm"):
         thawed(content[: len(content) // 2])

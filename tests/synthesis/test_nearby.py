@@ -25,7 +25,7 @@ class Answers:
 
 def test_a_neighbour_with_another_number_of_unknowns_gives_no_start_and_is_not_named_as_one():
     planner = Answers(replace(SOLVED, variables=12), FAILED)
-    found, came = plan_nearby(planner, None, None, replace(SOLVED, x=np.zeros(10)))
+    found, came = plan_nearby(planner, None, None, replace(SOLVED, gait=None, x=np.zeros(10)))
     assert (found.gait is not None, came, len(planner.asked)) == (True, False, 1)
 
 

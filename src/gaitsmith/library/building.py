@@ -7,7 +7,7 @@ import json
 import time
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -17,8 +17,7 @@ from gaitsmith.errors import BadInput
 from gaitsmith.library.folder import START, Folder, Record, digest, end_keys
 from gaitsmith.library.spec import Index, Spec, checked_spec, key_of
 from gaitsmith.robots import load_robot
-from gaitsmith.synthesis.files.gait_file import gait_document
-from gaitsmith.synthesis.motions.biped import Biped
+from gaitsmith.synthesis.files.gait_file import gait_document, gait_of
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.proof.verify import verify
 from gaitsmith.synthesis.requests.nearby import plan_nearby
@@ -75,12 +74,16 @@ def plan_point(spec: str, point: Index, origin: str, warm: bytes) -> Done:
     return _finished(made, found, origin if near else "")
 
 
-def plan_end(spec: str, point: Index, which: str, goal: tuple[Any, Any, Any]) -> Done:
-    """Plan the motion from rest to a point's gait, or back."""
+def plan_end(spec: str, point: Index, which: str, gait: bytes, warm: bytes) -> Done:
+    """Plan the motion from rest to a point's gait, or back, from that gait's file and what it left."""
     made = _made(spec)
     (step, _), settings = made.motions[point], made.spec.settings
-    motion = made.spec.end(made.planner.biped, step, which.startswith(START), goal)
-    return _finished(made, made.planner.plan(motion, settings), key_of(point))
+    biped, cycle = made.planner.biped, gait_of(json.loads(gait))
+    q, v, a = cycle.joints(0, np.array([0.0]))
+    goal = q[biped.index, 0], v[biped.index, 0], a[biped.index, 0]
+    motion = made.spec.end(biped, step, which.startswith(START), goal)
+    found, _ = plan_nearby(made.planner, motion, settings, replace(thawed(warm), gait=cycle))
+    return _finished(made, found, key_of(point))
 
 
 def _finished(made: _Made, found: PlanResult, origin: str) -> Done:
@@ -168,13 +171,14 @@ def build(
     with workers(jobs, address) as crew:
         _ = planner.functions  # compiles once, before the processes would all do it
         folder.begin(spec, robot)
-        work = _Work(spec, folder, crew, tell)
-        resumed = len(work.records)
-        try:
-            work.run()
-            base = work.finish(planner.biped)
-        except KeyboardInterrupt:
-            return Built(work.records, "", resumed, time.perf_counter() - began, True)
+        with folder.alone():
+            work = _Work(spec, folder, crew, tell)
+            resumed = len(work.records)
+            try:
+                work.run()
+                base = work.finish()
+            except KeyboardInterrupt:
+                return Built(work.records, "", resumed, time.perf_counter() - began, True)
     return Built(work.records, base, resumed, time.perf_counter() - began, False)
 
 
@@ -217,7 +221,7 @@ class _Work:
         while parent is not None:
             key = key_of(parent)
             if self.records[key].certified:
-                return key, self._folder.warm(key)
+                return key, self._folder.left(key)[1]
             parent = self.spec.parent(parent)
         return "", b""
 
@@ -230,7 +234,7 @@ class _Work:
             self._tell(len(self.records), len(self.spec.points) + 2 * max(len(self.spec.slope), 1))
         return str(key)
 
-    def finish(self, biped: Biped) -> str:
+    def finish(self) -> str:
         """Plan start and stop for the first gait for which both exist, and on all slopes, and write the index.
 
         Returns:
@@ -238,31 +242,28 @@ class _Work:
         """
         keys, ends = [key_of(point) for point in self.spec.points], list[str]()
         for point in self.spec.bases:
-            ends = self._end(biped, [point])
+            ends = self._end([point])
             if ends and all(self.records[which].certified for which in ends):
                 others = [at for at in self.spec.on_slopes(point) if at != point]
-                self._folder.end(key_of(point), [*keys, *ends, *self._end(biped, others)])
+                self._folder.end(key_of(point), [*keys, *ends, *self._end(others)])
                 return key_of(point)
         self._folder.end("", keys)
         return ""
 
-    def _end(self, biped: Biped, points: list[Index]) -> list[str]:
+    def _end(self, points: list[Index]) -> list[str]:
         """Plan the starts and stops of those points that have a gait; their keys."""
         missing, found = 0, list[str]()
         for point in points:
             key = key_of(point)
             if not self.records[key].certified:
                 continue
-            gait = self._folder.gait(key, self.records[key])
-            q, v, a = gait.joints(0, np.array([0.0]))
-            goal = tuple(values[biped.index, 0] for values in (q, v, a))
             for which in end_keys(self.spec, point):
                 found.append(which)
                 held = self._folder.get(which)
                 if held is not None and held.origin == key:
                     self.records[which] = held
                 else:
-                    self._crew.submit(which, plan_end, self._text, point, which, goal)
+                    self._crew.submit(which, plan_end, self._text, point, which, *self._folder.left(key))
                     missing += 1
         for _ in range(missing):
             self._take()

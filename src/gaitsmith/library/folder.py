@@ -7,10 +7,12 @@ it holds a hash of every record and gait.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -19,7 +21,7 @@ from pydantic import Field
 from gaitsmith.compiled.cache import source_key
 from gaitsmith.documents import Frozen, checked, parse_json, written_as
 from gaitsmith.errors import BadInput
-from gaitsmith.files import read_bounded, reason, write_bytes_atomic, write_text_atomic
+from gaitsmith.files import UNFINISHED, lock, read_bounded, reason, write_bytes_atomic, write_text_atomic
 from gaitsmith.library.spec import Index, Spec, checked_spec, key_of, point_of
 from gaitsmith.robots import Robot
 from gaitsmith.synthesis import Gait, read_gait
@@ -130,6 +132,24 @@ class Folder:
             raise BadInput("--out", str(self.path), "a folder that can be written", reason(error)) from None
         write_text_atomic(self.path / "library.json", text)
 
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keep other builds out, and clear away what one that was killed had begun to write.
+
+        Raises:
+            BadInput: another build is at work in the folder.
+        """
+        place = os.open(self.path, os.O_RDONLY)
+        try:
+            if not lock(place):
+                valid = "a folder in which no other build is at work"
+                raise BadInput("--out", str(self.path), valid, "wait for it, or stop it")
+            for left in self.path.rglob(f".*{UNFINISHED}"):
+                left.unlink(missing_ok=True)
+            yield
+        finally:
+            os.close(place)
+
     def put(self, key: str, record: Record, gait: bytes, warm: bytes) -> None:
         """Keep what became of a point; the record last."""
         if record.certified:
@@ -146,13 +166,13 @@ class Folder:
         except BadInput:
             return None
 
-    def warm(self, key: str) -> bytes:
-        """What a neighbour of a point starts from.
+    def left(self, key: str) -> tuple[bytes, bytes]:
+        """A point's gait file, and what a neighbour starts from.
 
         Raises:
             BadInput: it cannot be read.
         """
-        return read_bounded(self._warm(key), _GAIT)
+        return read_bounded(self._gait(key), _GAIT), read_bounded(self._warm(key), _GAIT)
 
     def end(self, base: str, keys: list[str]) -> None:
         """Write the index."""

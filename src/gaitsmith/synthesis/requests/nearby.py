@@ -18,17 +18,17 @@ def plan_nearby(
         planner: for the robot.
         motion: phases and conditions.
         settings: bounds, order, tolerances.
-        neighbour: result for the same phases with nearby numbers.
+        neighbour: result for the same phases with nearby numbers, or one whose gait has phases of the same names.
 
     Returns:
-        The result, and whether it comes from the neighbour. One with another number of unknowns (longer phases have
-        more sections) gives no start: the plan comes from nothing then. What was spent on a neighbour that led nowhere
-        counts in its iterations, and as one fallback more.
+        The result, and whether it comes from the neighbour. One without a gait and with another number of unknowns
+        gives no start: the plan comes from nothing then. What was spent on a neighbour that led nowhere counts in its
+        iterations, and as one fallback more.
     """
     if neighbour is None:
         return planner.plan(motion, settings), False
     near = planner.plan(motion, settings, neighbour=neighbour)
-    if near.variables != len(neighbour.x):
+    if neighbour.gait is None and near.variables != len(neighbour.x):
         return near, False
     if near.gait is not None:
         return near, True
