@@ -197,6 +197,14 @@ def test_planning_loads_nothing_that_it_does_not_use() -> None:
     assert _loaded("main(['plan', 'cyclic', '--max-iterations', '1'])", others | {"scipy.linalg"}) == ["scipy.linalg"]
 
 
+def test_a_process_that_ends_looks_for_no_garbage() -> None:
+    code = "import gc, sys; from gaitsmith.cli import main; sys.argv[1:] = ['--version']; main(); {}"
+    for before, frozen in (("", True), ("gc.unfreeze(); main(['--version']);", False)):
+        words = [sys.executable, "-c", code.format(f"{before} print(gc.get_freeze_count() > 0)")]
+        done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+        assert done.stdout.splitlines()[-1] == str(frozen)
+
+
 def test_no_variable_of_a_library_stops_a_command() -> None:
     code = (
         "import sys; from gaitsmith.cli import main; code = main(['robots', 'list']); import matplotlib.figure, mujoco;"
