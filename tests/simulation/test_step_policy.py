@@ -86,6 +86,12 @@ def test_a_card_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     assert refused(policy, path, {"adjusted": speed}) == "p.onnx: adjusted"
 
 
+def test_a_policy_that_gives_no_numbers_is_refused_before_a_walk(tmp_path: Path) -> None:
+    card = a_policy().card
+    nothing = Perceptron.of(card, HIDDEN, np.full(Perceptron.size(card, HIDDEN), np.nan))
+    assert refused(nothing, tmp_path / "p.onnx", {}) == "policy"
+
+
 def test_what_is_no_policy_is_refused(file: Path, tmp_path: Path) -> None:
     robot = load_robot("bhr_b2")
     content = file.read_bytes()

@@ -245,6 +245,7 @@ class OnnxPolicy:
             raise BadInput(
                 f"{source}: shapes", shapes, f"one input of {len(names)}, one output of {len(card.adjusted)}"
             )
+        told(card.adjusted, self.act(np.zeros(len(names))))  # whether it runs at all is found before a walk begins
 
     def _inputs(self) -> Any:
         return self._session.get_inputs()
