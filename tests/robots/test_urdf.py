@@ -212,7 +212,7 @@ CASES = {
     "ring": "every link hangs from the root link",
     "no child": "a parent and a child link",
     "unknown link": "a parent and a child link",
-    "same link twice": "each with its own name",
+    "same link twice": "names that all differ",
     "mesh outside": "below the card's folder",
     "mesh missing": "mesh",
     "no shape": "one shape among",

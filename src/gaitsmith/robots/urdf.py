@@ -43,8 +43,11 @@ def urdf_text(root: Element, folder: CardFolder, path: PurePosixPath) -> ModelTe
     meshes: dict[str, MeshFile] = {}
     links = {link.get("name", ""): link for link in root.findall("link")}
     joints = root.findall("joint")
-    if not 0 < len(links) <= LINK_LIMIT or len(links) != len(root.findall("link")):
-        raise BadInput(f"{entry}: links", len(root.findall("link")), f"1 to {LINK_LIMIT} links, each with its own name")
+    names = [link.get("name", "") for link in root.findall("link")]
+    if twice := next((name for name in links if names.count(name) > 1), None):
+        raise BadInput(f"{entry}: links", twice, "names that all differ", "two links have this one")
+    if not 0 < len(names) <= LINK_LIMIT:
+        raise BadInput(f"{entry}: links", len(names), f"1 to {LINK_LIMIT} links")
     base, above = _base(links, joints, entry)
     SubElement(robot, "link", {"name": WORLD})
     floating = SubElement(robot, "joint", {"name": "root", "type": "floating"})
