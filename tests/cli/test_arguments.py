@@ -105,6 +105,20 @@ def test_what_is_wrong_is_named(words: list[str], field: str, part: str) -> None
     assert "\n" not in str(caught.value)
 
 
+class Needed(Arguments):
+    """An option that has no default."""
+
+    out: Annotated[str, About("Folder of the results", metavar="DIR")]
+
+
+def test_an_option_that_is_needed_is_asked_for_and_marked(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(BadInput, match=r"--out: got nothing, expected a value \(Folder of the results\)"):
+        parse(Needed, [], "gaitsmith try")
+    with pytest.raises(SystemExit):
+        parse(Needed, ["--help"], "gaitsmith try")
+    assert "Folder of the results. (required)" in capsys.readouterr().out
+
+
 def test_help_lists_every_option(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         read("--help")

@@ -96,11 +96,11 @@ class _Option:
         found = [self._one(word) for word in words]
         right = self.least <= len(words) <= self.most
         if self.most == 1 and not right:
-            raise BadInput(self.word, "nothing", f"a value ({self.usage})", self.about.meaning)
+            raise BadInput(self.word, None, f"a value ({self.usage})", self.about.meaning)
         if self.most > 1 and not (right and _finite(found)):
             count = " or ".join(map(str, range(self.least, self.most + 1)))
-            remedy = f"name the {first} before the options" if first else ""
-            raise BadInput(self.word, " ".join(words), f"{count} finite numbers ({self.usage})", remedy)
+            remedy = f"name the {first} before the options" if first and words else ""
+            raise BadInput(self.word, " ".join(words) or None, f"{count} finite numbers ({self.usage})", remedy)
         return found + [0.0] * (self.most - len(found)) if self.most > 1 else found[0]
 
     def _one(self, word: str) -> Any:
@@ -189,8 +189,8 @@ def parse(kind: type[_Model], words: Sequence[str], program: str) -> _Model:
         else:
             values[option.name] = value
     for option in options:
-        if isinstance(option.about, Positional) and option.name not in values and option.default is ...:
-            raise BadInput(option.word, "nothing", f"a value ({option.about.meaning})", f"see {program} --help")
+        if option.name not in values and option.default is ...:
+            raise BadInput(option.word, None, f"a value ({option.about.meaning})", f"see {program} --help")
     try:
         return checked(kind, values)
     except BadInput as error:
@@ -277,6 +277,7 @@ def _help(kind: type[BaseModel], options: list[_Option], program: str) -> str:
         default = _shown(absent if option.default is None else option.default)
         details = [f"default: {default}{option.range.replace(' ', ', ', 1)}"] if default and not option.repeats else []
         details += ["repeatable"] if option.repeats else []
+        details += ["required"] if option.default is ... and not positional else []
         told += "".join(f" ({detail})" for detail in details)
         lines = textwrap.wrap(told, width - _COLUMN)
         lead = f"  {term}"
