@@ -5,6 +5,7 @@ import pytest
 
 from gaitsmith.simulation import Scenario
 from gaitsmith.simulation.episode import Simulation
+from gaitsmith.simulation.reactions import ended_braked
 from gaitsmith.synthesis import Bounds, Request, Settings, StepParameters, answer, verify
 from gaitsmith.synthesis.files.gait_file import write_gait
 from gaitsmith.synthesis.motions.settings import LEG
@@ -94,3 +95,11 @@ def test_a_walk_s_swing_sole_keeps_clear_by_half_of_the_lift(walk, kick, planner
     assert kick.gait.bounds["clearance"] == pytest.approx(Bounds().clearance * planner.biped.height / LEG)
     low = Settings(bounds=Bounds(clearance=0.001)).sized(planner.biped, 0.3, 0.04)
     assert low.bounds.clearance == 0.001
+
+
+@pytest.mark.parametrize(("fault", "stands"), [("ticks:delayed@2s,1s", True), ("left_knee.motor:dead@2s,1s", False)])
+def test_a_plan_goes_on_by_late_ticks_and_ends_braked_when_it_sinks(dynamic, robot, tmp_path, fault, stands):
+    """A late tick moves the plan's clock by all of its time; what a motor takes away is named before the fall."""
+    found = run(dynamic.gait, robot, tmp_path, cycles=20, duration=4.0, faults=(fault,))
+    assert found.fell is not stands
+    assert stands or ended_braked(found.faults, found.fall.time)

@@ -21,6 +21,7 @@ from gaitsmith.template.walking import plan_step, refer_walking, restart_leg, se
 from gaitsmith.whole_body.frames import observe_frames
 from gaitsmith.whole_body.solve import solve_whole_body
 
+_COM_FOR_HIPS = 1.5  # share of its height by which hips sink for that by which the CoM does
 _LIFTED = 0.25  # of a step's period without load after which a robot that stood hangs in the air
 
 
@@ -41,6 +42,19 @@ def _open_mailbox(g: Tick) -> None:
 
 
 @kernel
+def _sunk(g: Tick) -> float:
+    """Share of the commanded height by which the hips are too low; of a plan, from that of the CoM."""
+    state, place, hips = g.control.state[0], g.body.frames.relative_position, 0.0
+    if state == FOLLOWING:
+        return float(_COM_FOR_HIPS * (g.reference.com[0, 2] - g.body.state.com[2]) / g.checking.readings.height_unit[0])
+    if state != WALKING and state != STANDING:
+        return 0.0
+    for leg in range(place.shape[0]):
+        hips = max(hips, -place[leg, 2])
+    return float(1.0 - hips / g.template.latched.height[0])
+
+
+@kernel
 def _check_readings(g: Tick) -> None:
     """Replace what cannot be believed; brake for good if the robot cannot do without it, or if it was left alone."""
     control, step, readings, touchdown = g.control, g.template.step, g.checking.readings, g.template.touchdown
@@ -57,7 +71,7 @@ def _check_readings(g: Tick) -> None:
         step.period[0],
         touchdown.earliest * step.period[0],
         touchdown.force,
-        g.template.latched.height[0] if state in (WALKING, STANDING) else 0.0,
+        _sunk(g),
         g.motors.what,
     )
     if late > 0:

@@ -30,8 +30,8 @@ from gaitsmith.estimation.readings import (
 from gaitsmith.estimation.sole_force import check_force
 from gaitsmith.whole_body.reference import NONE
 
-_FALLEN = (0.9, 0.57)  # rad of tilt, share of the commanded height of the hips: beyond, no torque brings it back
-_FALLING = (0.7, 0.6)  # the same while a motor is weak
+_FALLEN = (0.9, 0.43)  # rad of tilt, share of its height by which it has sunk: beyond, no torque brings it back
+_FALLING = (0.7, 0.4)  # the same while a motor is weak
 _SHARE = 0.2  # of a new difference in the smoothed one
 _RATE_ERROR = 0.15  # ω, smoothed, that a joint's rate may differ from its angle's slope
 _STRUCK = (0.5, 4.0)  # of the gate: by which a joint that was struck leaves the model behind in every tick
@@ -201,17 +201,15 @@ def _check_velocity(g: Checking, c: int, first: int, last: int, dt: float) -> No
 
 
 @kernel
-def _lost_balance(g: Checking, height: float, weak: IntVector) -> int:
+def _lost_balance(g: Checking, sunk: float, weak: IntVector) -> int:
     """0 while torques may bring the robot back; else 1, or 2 + j if motor j was weak lately: then it ends earlier."""
-    r, tilt, place, hips = g.readings, g.body.frames.tilt, g.body.frames.relative_position, 0.0
+    r, tilt = g.readings, g.body.frames.tilt
     r.weak[1] = max(r.weak[1] - 1, 0)
     for j in range(weak.shape[0]):
         if weak[j] == 1:
             r.weak[0], r.weak[1] = j, r.patience[POSITION]
-    for leg in range(place.shape[0]):
-        hips = max(hips, -place[leg, 2])
-    most, least = _FALLING if r.weak[1] > 0 else _FALLEN
-    if max(abs(tilt[0]), abs(tilt[1])) > most or hips < least * height:
+    tilted, low = _FALLING if r.weak[1] > 0 else _FALLEN
+    if max(abs(tilt[0]), abs(tilt[1])) > tilted or sunk > low:
         return 2 + r.weak[0] if r.weak[1] > 0 else 1
     return 0
 
@@ -227,7 +225,7 @@ def check_readings(
     period: float,
     earliest: float,
     least: float,
-    height: float,
+    sunk: float,
     weak: IntVector,
 ) -> int:
     """Check every reading of this tick and, where needed, replace it.
@@ -242,7 +240,7 @@ def check_readings(
         period: of the step, s.
         earliest: before which no sole lands, s.
         least: force that counts as contact, N.
-        height: commanded, of the hips, m; 0 if none is.
+        sunk: share of its height by which the robot is too low.
         weak: (nj,) 1 for a motor that gives less than it is told.
 
     Returns:
@@ -277,7 +275,7 @@ def check_readings(
         if leg != swing and g.reference.contact[leg] != NONE and not _rests_on(g, leg):
             for i in range(3):
                 r.normal[i] = g.body.frames.sole_rotation[leg, i, 2]
-    beyond = _lost_balance(g, height, weak) if driven else 0
+    beyond = _lost_balance(g, sunk, weak) if driven else 0
     if r.late[0] > r.longest_gap[0]:
         r.culprit[0] = r.what.shape[0]
     elif beyond > 0 and r.culprit[0] < 0:

@@ -13,6 +13,7 @@ _GYRO_TIME = 0.02  # s, smoothing of the attitude's error
 _ATTITUDE_ERROR = 0.03  # rad, smoothed, that a gyro may turn away from the attitude
 _TURN_GAIN, _RATE_GAIN = 50.0, 625.0  # 1/s, 1/s²: of the attitude's error on attitude and rate without a gyro
 _PULL_TIME = 0.3  # s, smoothing of the accelerometer's difference from gravity
+_SUSPECT = 0.4  # of these errors for the rest of an IMU whose attitude has jumped
 _RETAKE = 20  # ticks after which an attitude that has jumped, and not gone on, is taken anew
 _PULL_ERROR = 0.45  # g, smoothed, by which it may differ; half of that to be good again
 
@@ -27,7 +28,7 @@ def _check_accelerometer(g: Checking, c: int, dt: float) -> None:
             r.error[i] += dt / _PULL_TIME * (off - r.error[i])
         size += r.error[i] ** 2
         g2 += g.body.tree.gravity[i] ** 2
-    limit = _PULL_ERROR if r.lost[c] == 0 else 0.5 * _PULL_ERROR
+    limit = _PULL_ERROR * (_SUSPECT if r.shifted[0] == 1 else (1.0 if r.lost[c] == 0 else 0.5))
     if what == GOOD and size > limit * limit * g2:
         what = CONTRADICTION
     settle(r, c, what, True)
@@ -88,7 +89,7 @@ def check_inertial(g: Checking, dt: float) -> None:
     for i in range(3):
         r.error[3 + i] += dt / _GYRO_TIME * ((off[i] if known else 0.0) - r.error[3 + i])
         worst = max(worst, abs(r.error[3 + i]))
-    if what == GOOD and worst > _ATTITUDE_ERROR:
+    if what == GOOD and worst > _ATTITUDE_ERROR * (_SUSPECT if r.shifted[0] == 1 else 1.0):
         what = CONTRADICTION
     if (what != GOOD or r.lost[gyro] > 0) and known:
         share = dt * _TURN_GAIN
