@@ -12,6 +12,7 @@ import pytest
 from gaitsmith.errors import BadInput
 from gaitsmith.log import Log
 from gaitsmith.robots.sole import Sole
+from gaitsmith.simulation import Scenario
 from gaitsmith.view import (
     FIGURES,
     Recording,
@@ -23,7 +24,9 @@ from gaitsmith.view import (
     suitable,
     write_figures,
 )
+from gaitsmith.view.fall import _rows, draw_fall
 from gaitsmith.view.landings import landings
+from gaitsmith.view.recording import _UNUSUAL, FaultMark, _conditions
 
 PERIOD, WIDTH = 0.4, 0.0375
 PIXELS_WIDE = 1600
@@ -182,6 +185,28 @@ def test_landings_are_missed_by_what_the_walk_was_made_up_with(walk: Recording) 
     for item in found:
         np.testing.assert_allclose(item.error, TOLD - 0.003 * np.ones(2), atol=1e-12)
         assert np.linalg.norm(item.told - item.came) == pytest.approx(np.hypot(*item.error), abs=0.02)
+
+
+def test_a_fall_s_figure_has_what_slipped_and_what_failed(walk: Recording) -> None:
+    slipped = copy.copy(walk)
+    slipped.sole_position = walk.sole_position.copy()
+    late = (walk.time > 11.0) & (walk.sole_force[:, 0] > 0.0)
+    slipped.sole_position[late, 0] += 0.5 * np.cumsum(late)[late] * (walk.time[1] - walk.time[0])  # 0.5 m/s
+    slipped.faults = (FaultMark(11.2, 11.4, "gyro nan"),)
+    rows, before = ({name: flags for name, flags, _ in _rows(of)} for of in (slipped, walk))
+    assert rows["left sole slips"][late].all()
+    assert before["left sole slips"][late].mean() < 0.1  # made-up feet jump where steps begin
+    made = draw_fall(slipped)
+    assert {"left sole slips", "gyro nan"} <= {name.get_text() for axis in made.axes for name in axis.get_yticklabels()}
+    assert "gyro nan" in [text.get_text() for text in made.axes[0].texts]
+
+
+def test_what_is_unusual_is_told_and_what_is_usual_is_not() -> None:
+    usual = Scenario().model_dump(mode="json")
+    assert all(usual[name] == default for name, default, _ in _UNUSUAL)
+    told = _conditions({"scenario": usual | {"friction": 0.12, "mass_spread": 0.1}})
+    assert "friction 0.12, masses within 10%" in told
+    assert "masses" not in _conditions({"scenario": usual})
 
 
 def test_a_straight_walk_is_written_in_rows_to_scale() -> None:

@@ -31,7 +31,8 @@ _LINE_SOLE = 0.012  # m: half the width a line sole is drawn with
 _COLOURS = 64  # of a PNG
 _POINTS = 2000  # samples drawn per curve: more than the pixels across
 BAD = "#C1121F"  # falls, limits that are hit
-PUSH = "#CC79A7"
+PUSH, FAULT = "#CC79A7", "#A6761D"
+_NAMED = 12  # pushes and faults that are named; more would cover each other
 
 # Begins with the library's own defaults: a file matplotlibrc in the working folder changes no figure.
 _OWN = {name: value for name, value in mpl.rcParamsDefault.items() if not name.startswith(("backend", "interactive"))}
@@ -116,25 +117,28 @@ def sampled(recording: Recording, span: slice = slice(None)) -> slice:
 
 
 def mark_stages(axes: Sequence[Axes], recording: Recording) -> None:
-    """Shade every second stage of constant command, and mark pushes and the fall."""
-    for index, stage in enumerate(recording.stages()):
-        if index % 2:
+    """Shade every second stage of constant command where there are several, and mark pushes, faults and the fall."""
+    stages = recording.stages()
+    for index, stage in enumerate(stages):
+        if index % 2 and len(stages) > 2:
             for axis in axes:
                 axis.axvspan(stage.begin, stage.end, color=BAND, zorder=0, linewidth=0.0)
     mark_events(axes, recording)
 
 
 def mark_events(axes: Sequence[Axes], recording: Recording) -> None:
-    """Pushes as bands, the fall as a line, named in the first panel."""
+    """Pushes and faults as bands, the fall as a line, named in the first panel; faults one line lower."""
     low, high = float(recording.time[0]), float(recording.time[-1])
+    marks = [(push.begin, push.end, f"push {push.words}", PUSH, -3.0) for push in recording.pushes]
+    marks += [(fault.begin, min(fault.end, high), fault.words, FAULT, -15.0) for fault in recording.faults]
     for number, axis in enumerate(axes):
-        for push in recording.pushes:
-            if low <= push.begin <= high:
-                axis.axvspan(push.begin, push.end, color=PUSH, alpha=0.5, zorder=1, linewidth=0.0)
-                if number == 0:
+        for begin, end, words, colour, below in marks:
+            if low <= begin <= high:
+                axis.axvspan(begin, end, color=colour, alpha=0.4, zorder=1, linewidth=0.0)
+                if number == 0 and len(marks) <= _NAMED:
                     axis.annotate(
-                        f"push {push.words}", (push.end, 1.0), xycoords=("data", "axes fraction"),
-                        xytext=(3.0, -3.0), textcoords="offset points", va="top", fontsize=9.0, color=PUSH,
+                        words, (end, 1.0), xycoords=("data", "axes fraction"),
+                        xytext=(3.0, below), textcoords="offset points", va="top", fontsize=9.0, color=colour,
                     )  # fmt: skip
         if recording.fell is not None and low <= recording.fell <= high + _ROW:
             axis.axvline(recording.fell, color=BAD, linewidth=1.5, zorder=4)

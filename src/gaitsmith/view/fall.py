@@ -7,13 +7,14 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gaitsmith.view.canvas import BAD, COMMAND, LEFT, LIMIT, PUSH, RIGHT, THIRD, above, figure, mark_events
+from gaitsmith.view.canvas import BAD, COMMAND, FAULT, LEFT, LIMIT, PUSH, RIGHT, THIRD, above, figure, mark_events
 from gaitsmith.view.footprints import draw_path
 from gaitsmith.view.recording import Recording
 
 _BEFORE = 3.0  # s that are shown
 _SATURATED = 0.999  # of a torque's limit
 _BEARS = 0.02  # of the largest force: a sole that bears
+_SLIDES, _GRAVITY = 0.1, 9.81  # of √(gH): a sole that bears and moves faster slips, as the report of limits has it
 Flags = npt.NDArray[np.bool_]
 
 
@@ -62,6 +63,16 @@ def _rows(recording: Recording) -> list[tuple[str, Flags, str]]:
     rows: list[tuple[str, Flags, str]] = [("push", pushed, PUSH)]
     for side, colour in ((0, LEFT), (1, RIGHT)):
         rows.append((f"{robot.legs[side].name} sole bears", bears[:, side], colour))
+    bound = _SLIDES * np.sqrt(_GRAVITY * recording.height_command)
+    for side in (0, 1):
+        way = np.diff(recording.sole_position[:, 3 * side : 3 * side + 2], axis=0, prepend=np.nan)
+        fast = np.hypot(*way.T) > bound * np.diff(recording.time, prepend=-np.inf)
+        rows.append((f"{robot.legs[side].name} sole slips", fast & bears[:, side], BAD))
+    for name in dict.fromkeys(fault.words for fault in recording.faults):
+        acts = np.zeros(len(recording.time), dtype=bool)
+        for fault in recording.faults:
+            acts |= (fault.words == name) & (recording.time >= fault.begin) & (recording.time <= fault.end)
+        rows.append((name, acts, FAULT))
     limit = _SATURATED * np.asarray(robot.torque_limit)
     saturated = np.abs(recording.torque) >= limit
     rows += [(f"torque limit {name}", saturated[:, j], BAD) for j, name in enumerate(robot.joint_names)]

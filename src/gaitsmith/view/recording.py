@@ -11,6 +11,18 @@ from gaitsmith.log import Log
 from gaitsmith.robots import Robot
 
 Array = npt.NDArray[np.float64]
+_UNUSUAL = (
+    ("friction", 0.8, "friction {:g}"),
+    ("mass_factor", 1.0, "masses times {:g}"),
+    ("mass_spread", 0.0, "masses within {:.0%}"),
+    ("torso_shift", [0.0, 0.0, 0.0], "torso's centre of mass moved"),
+    ("engine", "mujoco", "physics of {}"),
+    ("footholds", "", "known ground"),
+    ("library", "", "a library's gaits"),
+    ("policy", "", "a policy"),
+    ("controller", "", "another controller"),
+)
+"""What is told where a run differs: the scenario's field, its default, and words."""
 _SIDES, _AXES = ("left", "right"), ("x", "y", "z")
 
 
@@ -32,6 +44,14 @@ class PushMark(NamedTuple):
     words: str
 
 
+class FaultMark(NamedTuple):
+    """A fault: when it began and ended, s, and in words."""
+
+    begin: float
+    end: float
+    words: str
+
+
 class Recording:
     """One run, sampled at n instants; SI units, radians.
 
@@ -43,7 +63,8 @@ class Recording:
 
     Attributes:
         title: the robot, for the figures' titles.
-        conditions: gait, preset, state, ground and seed, for the line below.
+        conditions: gait, preset, state, ground and seed, for the line below, and what is not usual.
+        pushes, faults: when they acted.
         time: (n,) s.
         speed_command, speed: (n, 2) forward and lateral, of the CoM in the heading frame, m/s.
         tilt: (n, 2) roll and pitch of the torso, rad.
@@ -85,6 +106,10 @@ class Recording:
         left, right = log.column(true + "hip_height_left"), log.column(true + "hip_height_right")
         self.robot, self.title, self.time, self.fell = robot, robot.card.name, log.time, fell
         self.conditions, self.pushes = _conditions(log.notes), pushes_of(log)
+        self.faults = tuple(
+            FaultMark(fault["time"], fault["time"] + fault["duration"], f"{fault['component']} {fault['type']}")
+            for fault in (log.notes.get("scenario") or {}).get("faults", ())
+        )
         self.tick_us, self.tick_counts = ticks
         self.speed_command = columns("command.speed_x", "command.speed_y") * (log.column("mode") != 0.0)[:, None]
         self.speed = columns(true + "com_velocity_x", true + "com_velocity_y")
@@ -141,6 +166,7 @@ def _conditions(notes: dict[str, Any]) -> str:
     for name, unit in (("joint_friction", "N·m of joint friction"), ("torque_delay", "s of torque delay")):
         words += [f"{run[name]:g} {unit}"] if run.get(name) else []
         words += [f"up to {max(uneven):g} in some"] if name == "joint_friction" and uneven else []
+    words += [told.format(run[name]) for name, usual, told in _UNUSUAL if run.get(name, usual) not in (usual, None)]
     return ", ".join(words + ([f"seed {run['seed']}"] if "seed" in run else []))
 
 
