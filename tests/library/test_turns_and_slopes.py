@@ -13,6 +13,8 @@ from gaitsmith.library.spec import checked_spec
 from gaitsmith.planned.table import SOLES
 from gaitsmith.robots import load_robot
 from gaitsmith.simulation import Simulation, library_run
+from gaitsmith.simulation.diagnosis import _ground
+from gaitsmith.simulation.library_run import plans_for_slopes
 from gaitsmith.simulation.scenario import make_scenario
 from gaitsmith.synthesis.motions.biped import biped_from
 
@@ -106,6 +108,15 @@ def test_what_the_grid_does_not_hold_is_refused(folder, family, slope, given, fi
     with pytest.raises(BadInput, match=field) as error:
         made(folder, **({"speed": [0.2, 0.0], "duration": 5.0, "terrain": f"ramp:{slope}"} | given))
     assert valid in str(error.value)
+
+
+def test_the_slope_that_gaits_were_planned_for_is_no_cause_of_a_fall(folder, tmp_path):
+    level = Folder(tmp_path)
+    level.begin(checked_spec(GRID | {"slope": []}), load_robot("thbip_ii"))
+    for library, planned in ((str(folder.path), True), (str(level.path), False), ("", False)):
+        scenario = make_scenario({"robot": "thbip_ii", "library": library, "terrain": "ramp:2"})
+        assert plans_for_slopes(scenario) == planned
+        assert bool(_ground(scenario, 1.0)) != planned
 
 
 @pytest.mark.parametrize("yaw_rate", [-0.3, 0.0, 0.3])

@@ -272,7 +272,7 @@ def _between(axis: tuple[float, ...], value: float, name: str, kind: str = "") -
     low, high = axis[0], axis[-1]
     if not low - 1e-9 <= value <= high + 1e-9:
         held = f"{low:g}" if len(axis) == 1 else f"{low:g} to {high:g}"
-        raise BadInput(name, value, f"{kind}{held}, what the library holds")
+        raise BadInput(name, f"{value:g} degrees" if kind else value, f"{kind}{held}, what the library holds")
     if len(axis) == 1:
         return [(0, 1.0)]
     k = min(max(int(np.searchsorted(axis, value, side="right")) - 1, 0), len(axis) - 2)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from gaitsmith.simulation.library_run import plans_for_slopes
 from gaitsmith.simulation.limits import MISTAKEN
 from gaitsmith.simulation.reactions import Reaction
 from gaitsmith.simulation.scenario import Scenario
@@ -174,7 +175,7 @@ def _ground(scenario: Scenario, place: float) -> list[Suspect]:
     words = {"slope": f"slope of {terrain.amount:g}°", "cross": f"slope across of {terrain.amount:g}°"}
     if terrain.kind in words and place > SLOPE_START - _NEAR and terrain.amount != 0.0:
         return [Suspect("terrain", words[terrain.kind])]
-    if terrain.kind == "ramp" and not scenario.gait and terrain.amount != 0.0:
+    if terrain.kind == "ramp" and terrain.amount != 0.0 and not plans_for_slopes(scenario):
         return [Suspect("terrain", f"ground that rises by {terrain.amount:g}°")]
     if terrain.kind == "boxes" and terrain.amount > 0.0:
         return [Suspect("terrain", f"boxes of {terrain.amount:g} m")]

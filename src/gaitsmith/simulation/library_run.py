@@ -22,6 +22,11 @@ _TURN = 0.02  # √(g/z), most change of the yaw rate
 _OTHER = 0.1  # of a value, most change of it from one step to the next
 
 
+def plans_for_slopes(scenario: Scenario) -> bool:
+    """Whether a scenario's gaits were planned for the slope that it has."""
+    return bool(scenario.gait or (scenario.library and Folder(scenario.library).spec()[0].slope))
+
+
 def family_of(scenario: Scenario, robot: Robot) -> Family | None:
     """The library of a scenario; None without one.
 
