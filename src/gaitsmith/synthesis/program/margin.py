@@ -8,11 +8,11 @@ and after it turns about it, a limit on which a condition lies, a foot without l
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import Any
 
 from gaitsmith.synthesis.motions.biped import Biped
 from gaitsmith.synthesis.motions.motion import At, Motion
-from gaitsmith.synthesis.point.layout import layout_of
+from gaitsmith.synthesis.point.layout import PointLayout, layout_of
 from gaitsmith.synthesis.program.bounds import NO_LOAD, Kind, PhaseBound
 
 MARGIN = 1e-3  # share of a bound's range
@@ -25,32 +25,46 @@ _LEFT = 0.2  # of a range, which margins leave at least
 _ON = 1e-9
 
 
-def drawn_in(bound: PhaseBound, biped: Biped, motion: Motion, index: int) -> PhaseBound:
-    """A phase's bound with its margin, and with the violation that is accepted of it."""
-    layout = layout_of(biped)
-    other = min(bound.inp, default=0) >= layout.wrench
+def drawn_in(bounds: list[PhaseBound], biped: Biped, motion: Motion, index: int) -> list[PhaseBound]:
+    """A phase's bounds with their margins, and with the violation that is accepted of each."""
     beside = motion.phases[index].double or motion.beside_edge(index)
+    flies = motion.takes_over(index) or any(phase.flies for phase in motion.phases[max(index - 1, 0) : index + 2])
+    ends = [item for item in motion.conditions if isinstance(item, At) and item.border in (index, index + 1)]
+    layout, weight = layout_of(biped), biped.weight
+    return [PhaseBound(**(vars(bound) | _margin(bound, layout, weight, beside, flies, ends))) for bound in bounds]
+
+
+def _margin(
+    bound: PhaseBound, layout: PointLayout, weight: float, beside: bool, flies: bool, ends: list[At]
+) -> dict[str, Any]:
+    """What a margin changes of a bound.
+
+    Args:
+        bound: the bound.
+        layout: of a point.
+        weight: of the robot, N.
+        beside: whether both feet stand in its phase, or a foot turns about its edge beside it.
+        flies: whether a flight is beside it, or a foot takes over the load.
+        ends: conditions at its phase's ends.
+    """
+    other = min(bound.inp, default=0) >= layout.wrench
     if beside and bound.name.endswith(("ZMP forward", "ZMP backward")):
-        return replace(bound, slack=EXACT)
+        return {"slack": EXACT}
     if bound.load != NO_LOAD:
-        share = MARGIN * bound.ratio_span * bound.factor / biped.weight
+        share = MARGIN * bound.ratio_span * bound.factor / weight
         out, inp = dict(bound.out), dict(bound.inp)
         form, place = (inp, layout.wrench + 2) if bound.load else (out, layout.force + 2)
         if bound.power == 2:
             form, place = out, layout.load + bound.load
         form[place] = form.get(place, 0.0) + share
-        return replace(bound, out=out, inp=inp, slack=SLACK)
+        return {"out": out, "inp": inp, "slack": SLACK}
     if bound.interior:
-        return replace(bound, rise=bound.rise * _STEEPER, slack=TURNING if bound.sine else TOUCHING)
+        return {"rise": bound.rise * _STEEPER, "slack": TURNING if bound.sine else TOUCHING}
     met = any(
-        isinstance(item, At)
-        and item.quantity == bound.name
-        and item.border in (index, index + 1)
-        and min(abs(item.value - bound.low), abs(item.value - bound.high)) <= _ON
-        for item in motion.conditions
+        item.quantity == bound.name and min(abs(item.value - bound.low), abs(item.value - bound.high)) <= _ON
+        for item in ends
     )
-    flies = motion.takes_over(index) or any(phase.flies for phase in motion.phases[max(index - 1, 0) : index + 2])
     if met or ((other or flies) and bound.kind is Kind.NORMAL_FORCE):
-        return replace(bound, slack=EXACT)
+        return {"slack": EXACT}
     room = min(MARGIN * bound.span, 0.5 * (1.0 - _LEFT) * (bound.high - bound.low))
-    return replace(bound, low=bound.low + room, high=bound.high - room, slack=SLACK * room / (MARGIN * bound.span))
+    return {"low": bound.low + room, "high": bound.high - room, "slack": SLACK * room / (MARGIN * bound.span)}

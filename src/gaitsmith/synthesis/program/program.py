@@ -257,17 +257,27 @@ def bears(trans: Transcription, bound: PhaseBound) -> bool:
 
 def every_bound(trans: Transcription, points: Points, without: tuple[Kind, ...] = ()) -> list[ImposedBound]:
     """Every bound at every point, but those of some kinds."""
-    borders, motion = trans.motion.borders, trans.motion
-    found = []
+    borders = trans.motion.borders
+    found, kept = [], dict[tuple[int, bool, bool], list[int]]()
     for phase, time, control in zip(points.phase.tolist(), points.time.tolist(), points.control.tolist(), strict=True):
         if control >= 0:
             continue
         start, end = abs(time - borders[phase]) < 1e-9, abs(time - borders[phase + 1]) < 1e-9
-        free = (start and motion.meets(phase)) or (end and motion.leaves(phase))
-        for k, bound in enumerate(trans.bounds[phase]):
-            # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
-            coned = is_cone(trans, bound) or (free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench)
-            coned = coned or (unloaded(trans, phase, start, end) and bears(trans, bound))
-            if not bound.free_at(start, end) and not coned and bound.kind not in without:
-                found.append(ImposedBound(phase, k, time))
+        if (phase, start, end) not in kept:
+            kept[phase, start, end] = _holding(trans, phase, start, end, without)
+        found += [ImposedBound(phase, k, time) for k in kept[phase, start, end]]
+    return found
+
+
+def _holding(trans: Transcription, phase: int, start: bool, end: bool, without: tuple[Kind, ...]) -> list[int]:
+    """Bounds of a phase that hold inside it, or at its start or end."""
+    motion, found = trans.motion, []
+    free = (start and motion.meets(phase)) or (end and motion.leaves(phase))
+    idle = unloaded(trans, phase, start, end)
+    for k, bound in enumerate(trans.bounds[phase]):
+        # A wrench that is zero sits on all its cones at once; such rows only make the program degenerate.
+        coned = is_cone(trans, bound) or (free and bool(bound.inp) and min(bound.inp) >= trans.layout.wrench)
+        coned = coned or (idle and bears(trans, bound))
+        if not bound.free_at(start, end) and not coned and bound.kind not in without:
+            found.append(k)
     return found

@@ -137,7 +137,7 @@ class Transcription:
             phase_bounds(biped, settings.bounds, motion, index) for index in range(len(motion.phases))
         ]
         self.bounds: list[list[PhaseBound]] = [
-            [drawn_in(bound, biped, motion, index) for bound in items] for index, items in enumerate(self.limits)
+            drawn_in(items, biped, motion, index) for index, items in enumerate(self.limits)
         ]
         self.rows = BoundRows(self.bounds)
         self.pivots = np.array([biped.pivot(phase) * (1.0, phase.side, 1.0) for phase in motion.phases])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -13,7 +14,6 @@ from gaitsmith.synthesis.point.layout import PointLayout
 from gaitsmith.synthesis.program.bounds import NO_LOAD, PhaseBound
 from gaitsmith.synthesis.program.margin import TOUCHING
 from gaitsmith.synthesis.program.program import ImposedBound
-from gaitsmith.synthesis.program.rates import is_rate
 from gaitsmith.synthesis.program.transcription import Points, Transcription, instant_keys
 from gaitsmith.synthesis.solution.curves_from_solution import local_inputs, phase_pieces
 from gaitsmith.synthesis.solution.passive import LocalPiece, balanced, with_roots
@@ -144,12 +144,13 @@ def with_violated(
 
     ``settled``: whether they hold to the solver's tolerance; after a rough solve none is tightened.
     """
-    found = list(imposed)
+    found, places = list(imposed), places_of(imposed)
     for phase, bound, k in _peaks(trans, checks, tolerance, 0.0):
         item = checks[phase]
         scale, time = float(item.scales[bound, k]), float(item.times[k])
-        near = _near(trans, found, phase, bound, time)
+        near = _near(trans, found, places[phase, bound], phase, bound, time)
         if near is None:
+            places[phase, bound].append(len(found))
             found.append(ImposedBound(phase, bound, time, scale * _spare(trans, phase, bound, time)))
         elif settled:
             # What was not enough before is doubled beside what is lacking: the worst instant moves away from this one.
@@ -169,10 +170,11 @@ def _spare(trans: Transcription, phase: int, bound: int, time: float) -> float:
 
 def with_close(trans: Transcription, checks: list[BoundCheck], imposed: list[ImposedBound]) -> list[ImposedBound]:
     """The imposed bounds with every instant added at which a bound is nearly met, for neighbours in which it may be."""
-    found = list(imposed)
+    found, places = list(imposed), places_of(imposed)
     for phase, bound, k in _peaks(trans, checks, -_CLOSE, _ENDS):
         time = float(checks[phase].times[k])
-        if _near(trans, found, phase, bound, time) is None:
+        if _near(trans, found, places[phase, bound], phase, bound, time) is None:
+            places[phase, bound].append(len(found))
             found.append(ImposedBound(phase, bound, time))
     return found
 
@@ -198,22 +200,30 @@ def _peaks(
                 yield phase, bound, k
 
 
-def _near(trans: Transcription, imposed: list[ImposedBound], phase: int, bound: int, time: float) -> int | None:
-    """Index of the imposed one of the same bound that is as good as at the same time."""
+def places_of(imposed: list[ImposedBound]) -> defaultdict[tuple[int, int], list[int]]:
+    """Indices of imposed bounds, by phase and bound."""
+    found = defaultdict[tuple[int, int], list[int]](list)
+    for index, item in enumerate(imposed):
+        found[item.phase, item.bound].append(index)
+    return found
+
+
+def _near(
+    trans: Transcription, imposed: list[ImposedBound], places: list[int], phase: int, bound: int, time: float
+) -> int | None:
+    """Index of the imposed one of the same bound, which are at ``places``, that is as good as at the same time."""
     # A bound that is met exactly at a border is not to be missed there because of an instant beside it.
     exact = trans.bounds[phase][bound].slack <= TOUCHING
     within = _MEETING if exact else _SAME * trans.motion.phases[phase].duration
-    near = [
-        (abs(item.time - time), index)
-        for index, item in enumerate(imposed)
-        if item.bound == bound and item.phase == phase and abs(item.time - time) < within
-    ]
+    near = [(abs(imposed[index].time - time), index) for index in places]
+    near = [item for item in near if item[0] < within]
     return min(near)[1] if near else None
 
 
 def with_times(trans: Transcription, points: Points, imposed: list[ImposedBound]) -> Points:
     """Points with those instants of the imposed bounds added that they lack."""
-    real = [item for item in imposed if not is_rate(trans, item.phase, item.bound)]
+    own = [len(bounds) for bounds in trans.bounds]  # rates count on from these
+    real = [item for item in imposed if item.bound < own[item.phase]]
     phases = np.array([item.phase for item in real], dtype=np.int64)
     times = np.array([item.time for item in real], dtype=np.float64)
     keys = instant_keys(phases, times)

@@ -16,7 +16,7 @@ from gaitsmith.synthesis.program.bounds import Kind, PhaseBound
 from gaitsmith.synthesis.program.program import ImposedBound
 from gaitsmith.synthesis.program.rates import UNIT, rate_name, steepest
 from gaitsmith.synthesis.program.transcription import Transcription
-from gaitsmith.synthesis.solution.bound_check import BoundCheck
+from gaitsmith.synthesis.solution.bound_check import BoundCheck, places_of
 from gaitsmith.synthesis.solution.certificate import merge
 from gaitsmith.synthesis.solution.curves_from_solution import inputs_at
 from gaitsmith.synthesis.solution.passive import balanced
@@ -95,7 +95,7 @@ def with_fast(
 
     ``settled``: whether they hold to the solver's tolerance; after a rough solve none is tightened.
     """
-    found = list(imposed)
+    found, places = list(imposed), places_of(imposed)
     for phase, item in enumerate(rates):
         most = (1.0 - _BETWEEN) * steepest(trans, phase)
         sections = trans.instants(phase, item.times).section
@@ -105,12 +105,13 @@ def with_fast(
             ratios = np.abs(item.values[:, inside]) / most
             for local in np.flatnonzero(ratios.max(axis=1) > 1.0).tolist():
                 bound = len(trans.bounds[phase]) + local
-                here = [index for index, old in enumerate(found) if (old.phase, old.bound) == (phase, bound)]
+                here, count = places[phase, bound], len(found)
                 at = np.array([found[index].time for index in here])
                 same = trans.instants(phase, at).section == section if here else ()
                 near = [index for index, inside_too in zip(here, same, strict=True) if inside_too]
                 span = float(np.diff(trans.spline.knots)[section])
                 _impose(found, near, phase, bound, item.times[inside], ratios[local], span, settled)
+                here += range(count, len(found))
     return found
 
 
