@@ -48,12 +48,16 @@ def polynomial(coefficients: Array, s: Array, span: float) -> Array:
 
 def bernstein(degree: int, s: float, derivative: int = 0) -> Array:
     """Bernstein polynomials (degree + 1) or their derivatives with respect to ``s`` in [0, 1]."""
+    return np.array(_bernstein(degree, float(s), derivative))
+
+
+def _bernstein(degree: int, s: float, derivative: int) -> list[float]:
     if derivative > degree:
-        return np.zeros(degree + 1)
+        return [0.0] * (degree + 1)
     if derivative:
-        lower = bernstein(degree - 1, s, derivative - 1)
-        return np.asarray(degree * (np.append(0.0, lower) - np.append(lower, 0.0)))
-    return np.array([comb(degree, k) * s**k * (1.0 - s) ** (degree - k) for k in range(degree + 1)])
+        lower = _bernstein(degree - 1, s, derivative - 1)
+        return [degree * (one - two) for one, two in zip([0.0, *lower], [*lower, 0.0], strict=True)]
+    return [comb(degree, k) * s**k * (1.0 - s) ** (degree - k) for k in range(degree + 1)]
 
 
 def bernstein_to_power(degree: int) -> Array:

@@ -66,17 +66,17 @@ class Derivatives:
         smooth, outputs = self.program.smooth, self.program.functions.layout.outputs
         if not smooth.nnz:
             return []
-        point = smooth.indices // outputs
-        used = np.flatnonzero(np.diff(smooth.indptr))
+        point, sizes = smooth.indices // outputs, np.diff(smooth.indptr)
+        used = np.flatnonzero(sizes)
         starts = smooth.indptr[used]
         ends = np.minimum.reduceat(point, starts), np.maximum.reduceat(point, starts)
         pairs, group = np.unique(ends[0] * self.program.points.count + ends[1], return_inverse=True)
-        found = []
+        own, found = np.repeat(group, sizes[used]), []
         for k in range(len(pairs)):
-            rows = smooth[used[group == k]]
-            outs, columns = np.unique(rows.indices, return_inverse=True)
-            matrix = np.zeros((rows.shape[0], len(outs)))
-            matrix[np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr)), columns] = rows.data
+            entries, count = np.flatnonzero(own == k), sizes[used[group == k]]
+            outs, columns = np.unique(smooth.indices[entries], return_inverse=True)
+            matrix = np.zeros((len(count), len(outs)))
+            matrix[np.repeat(np.arange(len(count)), count), columns] = smooth.data[entries]
             points, place = np.unique(outs // outputs, return_inverse=True)
             unknowns = np.unique(self._columns[points])
             slots = np.searchsorted(unknowns, self._columns[points])
