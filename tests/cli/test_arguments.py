@@ -161,6 +161,8 @@ class Model(BaseModel):
 
     size: Annotated[float, Field(gt=0.0, le=2.0), About("Size", "m", "M")] = 1.5
     kind: Annotated[str | None, About("Kind", metavar="KIND")] = None
+    map: Annotated[str, About("Map", metavar="FILE")] = ""
+    shift: Annotated[tuple[float, float], About("Shift", "m", "X Y")] = (0.0, 0.5)
     inner: Push = Push(time=0.0, impulse=(0.0, 0.0, 0.0))
 
 
@@ -175,7 +177,7 @@ def test_a_model_s_described_fields_are_options_that_may_be_left_out(capsys: pyt
     combined = overriding(Own, Model, "the robot's")
     assert parse(combined, [], "try").model_dump(exclude_none=True) == {"json_": False}
     found = parse(combined, ["--size", "1", "--out", "x"], "try").model_dump()
-    assert found == {"json_": False, "out": "x", "size": 1.0, "kind": None}
+    assert found == {"json_": False, "out": "x", "size": 1.0, "kind": None, "map": None, "shift": None}
     with pytest.raises(BadInput, match=r"--size: got 3\.0, expected a finite number above 0 up to 2"):
         parse(combined, ["--size", "3"], "try")
     with pytest.raises(SystemExit):
@@ -183,6 +185,8 @@ def test_a_model_s_described_fields_are_options_that_may_be_left_out(capsys: pyt
     shown = " ".join(capsys.readouterr().out.split())
     assert "--size M Size, m. (default: 1.5, above 0 up to 2)" in shown
     assert "--kind KIND Kind. (default: the robot's)" in shown
+    assert "--map FILE Map. (default: none)" in shown
+    assert "--shift X Y Shift, m. (default: 0 0.5)" in shown
     assert shown.index("--kind") < shown.index("--out")
     with pytest.raises(BadInput, match="did you mean --size"):
         parse(combined, ["--siz", "3"], "try")

@@ -61,7 +61,8 @@ def overriding(
     for name, field in model.model_fields.items():
         described = about(field)
         if described is not None and name not in without:
-            shown = _shown((defaults or {}).get(name, field.default))
+            usual = (defaults or {}).get(name, field.default)
+            shown = "none" if usual == "" else _shown(usual)
             entry = replace(described, absent=described.absent or shown or absent)
             rules = [rule for rule in field.metadata if rule is not described]
             kind: Any = Annotated[(field.annotation, *rules)] if rules else field.annotation
@@ -257,7 +258,7 @@ def as_flag(error: BadInput, kind: type[BaseModel], given: Sequence[str] | None 
 
 
 def _shown(value: Any) -> str:
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return " ".join(map(_shown, value))
     if isinstance(value, float):
         return f"{value:g}"

@@ -146,7 +146,7 @@ class Scenario(Command):
             "Gait file to follow instead of the template's walk; several are followed one after the other", "", "FILE"
         ),
     ] = ()
-    cycles: Annotated[int | None, Field(ge=1, le=10_000), About("Steps of a cyclic gait file", metavar="N")] = None
+    cycles: Annotated[int | None, Field(ge=1, le=10_000), About("Steps of a cyclic gait", "", "N", "endless")] = None
     tracking: Annotated[
         Literal["whole-body", "replay"],
         About("How a gait file is followed: by the whole body, or replayed by the joints alone"),
