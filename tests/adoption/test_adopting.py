@@ -85,7 +85,10 @@ def test_what_cannot_be_inferred_is_asked_with_candidates(
 ) -> None:
     model = written(tmp_path / "in", made)
     assert main(["adopt", str(model), "--out", str(tmp_path / "out"), "--json", *flags]) == 2
-    (asked,) = json.loads(capsys.readouterr().out)["asked"]
+    told = capsys.readouterr()
+    document = json.loads(told.out)
+    (asked,) = document["asked"]
+    assert told.err == f"gaitsmith: {document['error']['message']}\n"
     assert asked["flag"] == flag
     assert candidates <= set(asked["candidates"])
     assert [path.name for path in tmp_path.iterdir()] == ["in"]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 from gaitsmith.adoption.options import AdoptOptions
 from gaitsmith.cli.arguments import Arguments, Positional, parse
-from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome, Table, Text
+from gaitsmith.cli.dispatch import BAD_INPUT, DONE, FELL, Outcome, Table, Text, printable
 from gaitsmith.cli.inputs import gait_units
 
 if TYPE_CHECKING:
@@ -46,6 +47,9 @@ def adopt(words: list[str], program: str) -> Outcome:
         adoption = run(options, display.advance)
     code = BAD_INPUT if adoption.card is None else DONE if adoption.ok else FELL
     document = adoption.document | {"advice": _advice(adoption)}
+    if adoption.card is None:
+        sys.stderr.write(f"gaitsmith: {printable(adoption.reason)}\n")
+        document |= {"error": {"kind": "bad input", "message": adoption.reason}}
     return Outcome(code, document, _lines(adoption, document))
 
 
@@ -55,7 +59,6 @@ def _lines(adoption: Adoption, document: dict[str, Any]) -> Iterator[Text]:
         pairs = zip(leg["joints"], leg["roles"], strict=True)
         yield f"{leg['name']} leg: {', '.join(f'{name} ({role})' for name, role in pairs)}"
     for asked in document["asked"]:
-        yield f"not written: {adoption.reason}"
         yield f"candidates of {asked['flag']}: {' | '.join(asked['candidates']) or 'none, see --help'}"
     if adoption.card is None:
         return
