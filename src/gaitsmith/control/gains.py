@@ -55,7 +55,8 @@ def make_following_tasks(scale: Scale, parameters: ControlParameters) -> TaskTab
     rate, angular = scale.rate, (scale.height / 0.6) ** 2
     sole, torso = _task(rate, 5.0, _SOLE), _task(rate, 8.0 * angular, _TORSO)
     com = _task(rate, 10.0, (_DIVERGENT - 1.0, _DIVERGENT))
-    return make_task_table(parameters)._replace(
+    tasks = make_task_table(parameters)
+    return tasks._replace(
         stance=_task(rate, 100.0, _SOLE),
         stance_turn=_task(rate, 280.0 * angular, _SOLE),
         swing=sole,
@@ -66,6 +67,7 @@ def make_following_tasks(scale: Scale, parameters: ControlParameters) -> TaskTab
         com=com,
         com_height=_task(rate, 10.0, _HEIGHT),
         leg_joint=_task(rate, 0.03 * angular, _HEIGHT),
+        posture=tasks.posture._replace(weight=angular),
         load=31.0 / scale.weight**2,
     )
 
