@@ -166,3 +166,10 @@ def test_looks_are_never_read_but_what_collides_must_be_there(tmp_path: Path) ->
     (tmp_path / "m.xml").write_text(text)
     with pytest.raises(BadInput, match=r"mesh file: got 'there/\.\./none\.stl'"):
         open_model(tmp_path / "m.xml")
+
+
+def test_a_file_too_large_to_be_a_model_is_refused_unread(tmp_path: Path) -> None:
+    with open(tmp_path / "robot.xml", "wb") as file:
+        file.truncate(10**12)  # takes no room on the disk; in memory it would
+    with pytest.raises(BadInput, match="expected at most"):
+        open_model(tmp_path / "robot.xml")

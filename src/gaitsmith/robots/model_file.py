@@ -13,11 +13,12 @@ import mujoco
 import numpy as np
 
 from gaitsmith.errors import BadInput
+from gaitsmith.files import read_bounded
 from gaitsmith.robots.engine import engine_errors
 from gaitsmith.robots.model_limits import ModelLimits, model_limits
 from gaitsmith.robots.model_text import EQUAL_LIMITS, Coupling, ModelText, read_model
 from gaitsmith.robots.repair import repair_inertias
-from gaitsmith.robots.safety import CardFolder
+from gaitsmith.robots.safety import FILE_LIMIT, CardFolder
 from gaitsmith.robots.shapes import collide_only, compiled, drop_dangling, read_meshes, tree, usable_meshes
 from gaitsmith.robots.welding import turn
 
@@ -96,7 +97,7 @@ def open_model(
         path = path.resolve(strict=True)
     except (OSError, RuntimeError, ValueError) as error:
         raise BadInput("model", str(path), "a model file, MJCF or URDF", str(error)) from None
-    text = path.read_bytes()[:20_000_000] if path.is_file() else b""
+    text = read_bounded(path, FILE_LIMIT) if path.is_file() else b""
     levels = [level for level in range(len(path.parts) - 1) if _is_package(path.parents[level].name, text)]
     top = path.parents[min(max([LEVELS_ABOVE, *levels]), len(path.parents) - 1)]
     folder = CardFolder(top, "")
