@@ -144,7 +144,7 @@ def default_parameters(scale: Scale) -> dict[str, Any]:
             "stance_angular": 10.0 * angular,
             "swing_foot": 20.0,
             "attitude": 10.0 * angular,
-            "yaw": 3.0 * angular,
+            "yaw": 10.0 * angular,
             "knee": 10.0 * angular,
             "swing_joint": 0.3 * angular,
             "swing_ankle": 1.0 * angular,
