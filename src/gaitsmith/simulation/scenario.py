@@ -154,10 +154,7 @@ class Scenario(Command):
     library: Annotated[
         str,
         Field(max_length=1000),
-        About(
-            "Library of gaits to walk by instead of the template: speed, lift, period and yaw rate within it",
-            metavar="DIR",
-        ),
+        About("Library of gaits to walk by: speed, lift, period and yaw rate within it", metavar="DIR"),
     ] = ""
     policy: Annotated[
         str,
