@@ -86,6 +86,7 @@ def test_a_hard_push_ends_in_a_fall_that_is_explained():
     assert 2.0 < summary.fall.time == summary.duration < 4.0
     assert "first limit hit: " in summary.fall.reason
     assert "stance" in summary.fall.phase
+    assert summary.fall.phase.endswith("% of the step, then braked")
     assert summary.pushes == (2.0,)
 
 

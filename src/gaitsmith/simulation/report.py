@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gaitsmith.control.state import STATE_NAMES
+from gaitsmith.control.state import FAULT, STATE_NAMES
 from gaitsmith.log.columns import Columns
 from gaitsmith.robots import Robot
 from gaitsmith.simulation.fall import Cause, Fall
@@ -37,12 +37,13 @@ def refused_readings(columns: Columns) -> dict[str, int]:
 
 
 def phase_in_words(columns: Columns) -> str:
-    """Stance leg and share of the step."""
-    mode, stance, period = _last(columns, "mode"), int(_last(columns, "stance")), _last(columns, "command.period")
-    legs = columns.labels("sole_force")
-    if mode == 1.0 and stance < len(legs) and period > 0.0:
-        return f"{legs[stance]} stance, {100.0 * _last(columns, 'step_time') / period:.0f} % of the step"
-    return "standing"
+    """Stance leg and share of the step; of a robot that has been braked, those at which it was."""
+    braked, walking = _last(columns, "control_state") == FAULT, _last(columns, "mode") == 1.0
+    stance, period = int(_last(columns, "stance")), _last(columns, "command.period")
+    legs, words = columns.labels("sole_force"), "standing"
+    if (walking or braked) and stance < len(legs) and period > 0.0:
+        words = f"{legs[stance]} stance, {100.0 * _last(columns, 'step_time') / period:.0f} % of the step"
+    return f"{words}, then braked" if braked else words
 
 
 def explain(monitor: Monitor, time: float, phase: str, refused: dict[str, int], cause: str) -> Fall:
